@@ -1,12 +1,12 @@
 //! What the Bevy plugin costs the main thread: `cargo bench --bench plugin`.
 //!
-//! Other programs interrupt frames by milliseconds. On Linux, `chrt --fifo 10` before the program that `cargo bench
-//! --no-run` names keeps them away.
+//! Other programs interrupt frames by milliseconds. On Linux, `chrt --fifo 10` before the program
+//! that `cargo bench --no-run` names keeps them away.
 //!
 //! Measured is what lies between the first and the last of the plugin's systems, with the commands
-//! that they issue and the observers that they run; Rapier's own come after them. Beside it, for the
-//! same 200 meshes, the frame in which a system calls Parry's V-HACD as bevy_rapier's `AsyncCollider`
-//! does. That component itself needs Bevy's renderer.
+//! that they issue and the observers that they run; Rapier's own come after them. Beside it, for
+//! the same 200 meshes, the frame in which a system calls Parry's V-HACD as bevy_rapier's
+//! `AsyncCollider` does. That component itself needs Bevy's renderer.
 
 use std::time::{Duration, Instant};
 

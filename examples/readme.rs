@@ -1,4 +1,5 @@
-//! The README's program for Rust without an engine, and for Rapier. It reads `mug.glb` from the folder that it is run in.
+//! The README's program for Rust without an engine, and for Rapier. It reads `mug.glb` from the
+//! folder that it is run in.
 
 use hullwright::{Control, Length, Parameters, decompose, mass_properties};
 
@@ -6,7 +7,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mesh = hullwright_formats::read_mesh("mug.glb")?;
     let parameters = Parameters::default().max_error(Length::share(0.02)).max_hulls(32);
     let made = decompose(&mesh, &parameters, &Control::new())?;
-    // `hull.shape` has points and triangles. For Rapier: a compound, with the mass of the mesh at 500 kg per m³.
+    // `hull.shape` has points and triangles. For Rapier: a compound, with the mass of the mesh at
+    // 500 kg per m³.
     let mass = mass_properties(&mesh, &made.hulls, 500.0)?;
     let collider = hullwright_rapier::collider(&made.hulls, &mass, [1.0; 3])?.build();
     println!("{} hulls, {:.2} kg", made.hulls.len(), collider.mass());

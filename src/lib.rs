@@ -15,14 +15,16 @@
 //! # }
 //! ```
 //!
-//! Work runs on threads of the plugin's own, of a lower priority than the game's; no frame waits for it. Every tag ends
-//! in exactly one of two events: [`ColliderReady`], or [`ColliderAbsent`] with the reason. [`DecompositionStatus`] says
-//! the same at any time, and the finer events [`DecompositionReady`], [`DecompositionSkipped`], [`DecompositionFailed`]
-//! and [`DecompositionCancelled`] say more.
+//! Work runs on threads of the plugin's own, of a lower priority than the game's; no frame waits
+//! for it. Every tag ends in exactly one of two events: [`ColliderReady`], or [`ColliderAbsent`]
+//! with the reason. [`DecompositionStatus`] says the same at any time, and the finer events
+//! [`DecompositionReady`], [`DecompositionSkipped`], [`DecompositionFailed`] and
+//! [`DecompositionCancelled`] say more.
 //!
-//! In metres, Rapier's own contacts let small things sink into each other, so the plugin gives each world of Rapier a
-//! [`ContactDispatcher`](hullwright_rapier::ContactDispatcher).
-//! [`without_contact_dispatcher`](HullwrightPlugin::without_contact_dispatcher) leaves worlds as they are.
+//! In metres, Rapier's own contacts let small things sink into each other, so the plugin gives each
+//! world of Rapier a [`ContactDispatcher`](hullwright_rapier::ContactDispatcher).
+//! [`without_contact_dispatcher`](HullwrightPlugin::without_contact_dispatcher) leaves worlds as
+//! they are.
 //!
 //! | you have | you want | use |
 //! |---|---|---|
@@ -38,8 +40,8 @@
 //! | many entities | the nearest first; how many are done | [`DecompositionFocus`], [`DecompositionPriority`], [`DecompositionCounters`] |
 //! | the feature `debug` | hulls drawn, counters among the diagnostics | `HullwrightDebugPlugin` |
 
-// Five concepts, each with a plugin of its own. Imports go down this table only; what a concept owns is private to
-// it, and others use verbs on it.
+// Five concepts, each with a plugin of its own. Imports go down this table only; what a concept
+// owns is private to it, and others use verbs on it.
 //
 // | concept | owns, and alone writes | what |
 // |---|---|---|
@@ -49,7 +51,8 @@
 // | `jobs` | `Jobs` with the caches, `FrameTime`, the asset `BakedScene` | requests wait, become jobs, end in results |
 // | `tag` | `DecompositionStatus`, the events and counters of endings, by `Outcomes` alone | what users set, and what is reported |
 //
-// `scene` writes tags as users do. In the counters `jobs` and `collider` write how much runs and waits.
+// `scene` writes tags as users do. In the counters `jobs` and `collider` write how much runs and
+// waits.
 
 mod collider;
 #[cfg(feature = "debug")]
@@ -116,8 +119,8 @@ pub mod prelude {
 /// enough otherwise. The order of plugins does not matter.
 #[derive(Debug, Clone, Default)]
 pub struct HullwrightPlugin {
-    /// The initial settings. Settings that were inserted before stay, unless these differ from the default in more than
-    /// the contacts.
+    /// The initial settings. Settings that were inserted before stay, unless these differ from the
+    /// default in more than the contacts.
     pub settings: HullwrightSettings,
 }
 

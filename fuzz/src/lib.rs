@@ -1,7 +1,8 @@
-//! What the fuzz targets do with bytes. `crates/hullwright/tests/fuzz_corpus.rs` of the crate above includes this file, and
-//! replays the corpora on a stable compiler.
+//! What the fuzz targets do with bytes. `crates/hullwright/tests/fuzz_corpus.rs` of the crate above
+//! includes this file, and replays the corpora on a stable compiler.
 //!
-//! Each target takes any bytes, makes of them what reaches deep, and panics where a promise is broken.
+//! Each target takes any bytes, makes of them what reaches deep, and panics where a promise is
+//! broken.
 
 #[allow(dead_code)]
 #[path = "../../crates/hullwright/tests/independent/mod.rs"]

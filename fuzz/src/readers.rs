@@ -317,8 +317,8 @@ fn gltf_json(bytes: &mut Unstructured<'_>) -> Result<serde_json::Value> {
     }))
 }
 
-/// As they are, and as the body of a file whose header and checksum are right. What is read is written as it
-/// was, and read as it was written.
+/// As they are, and as the body of a file whose header and checksum are right. What is read is
+/// written as it was, and read as it was written.
 pub fn hulls_file(bytes: &[u8]) {
     let _ = HullsFile::from_bytes(bytes);
     let mut file = b"\x89HULLS\r\n".to_vec();

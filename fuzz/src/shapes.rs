@@ -99,7 +99,8 @@ fn method(bytes: &mut Unstructured<'_>) -> Result<Method> {
     Ok(if is_paper { surface.into() } else { parameters.into() })
 }
 
-/// Points into a hull at once, and in steps: both are exact hulls of their vertices, and hold all points.
+/// Points into a hull at once, and in steps: both are exact hulls of their vertices, and hold all
+/// points.
 pub fn hull(bytes: &[u8]) {
     let _ = try_hull(&mut Unstructured::new(bytes));
 }

@@ -1,7 +1,8 @@
-//! Inputs to begin with: bytes of which the targets make solids, sheets and hard sets of points. By chance bytes
-//! are a heap of loose triangles, which seldom reaches the stages behind the first.
+//! Inputs to begin with: bytes of which the targets make solids, sheets and hard sets of points. By
+//! chance bytes are a heap of loose triangles, which seldom reaches the stages behind the first.
 //!
-//! `FUZZ_STARTS=1 cargo test --package hullwright --test fuzz_corpus starts` writes them where `fuzz/run` begins.
+//! `FUZZ_STARTS=1 cargo test --package hullwright --test fuzz_corpus starts` writes them where
+//! `fuzz/run` begins.
 
 use std::f64::consts::{PI, TAU};
 
@@ -26,8 +27,8 @@ pub fn starts() -> Vec<(&'static str, Vec<u8>)> {
     starts
 }
 
-/// What `shapes::parameters` reads: paper's method, preset, bound, openings, cavities, cap on hulls, cap on
-/// vertices; 0 of a ratio is yes, and 1 is no.
+/// What `shapes::parameters` reads: paper's method, preset, bound, openings, cavities, cap on
+/// hulls, cap on vertices; 0 of a ratio is yes, and 1 is no.
 const PARAMETERS: &[&[u8]] = &[
     &[1, 0, 0, 0, 1, 1, 1],
     &[1, 1, 1, 0, 1, 1, 1],
@@ -37,8 +38,8 @@ const PARAMETERS: &[&[u8]] = &[
     &[0, 0, 0, 0, 1, 1, 1],
 ];
 
-/// What `points::points` reads before the number of points: thinness, scale, offset. A mesh as it is, and those
-/// that are thin, tiny, huge, far away.
+/// What `points::points` reads before the number of points: thinness, scale, offset. A mesh as it
+/// is, and those that are thin, tiny, huge, far away.
 const PLACES: &[[u8; 3]] =
     &[[0, 0, 0], [0, 0, 0], [2, 0, 0], [0, 2, 0], [0, 5, 0], [0, 0, 3], [3, 0, 2]];
 
@@ -79,8 +80,8 @@ fn encode(bytes: &mut Vec<u8>, positions: &[[f64; 3]]) {
     }
 }
 
-/// Few triangles each, and between them every stage: convex, cut along planes, round, hollow, open, one-sided,
-/// doubled, touching.
+/// Few triangles each, and between them every stage: convex, cut along planes, round, hollow, open,
+/// one-sided, doubled, touching.
 fn shapes() -> Vec<Shape> {
     let square = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
     let unit = prism(&square, &[[0, 1, 2], [0, 2, 3]], 1.0);

@@ -1,9 +1,11 @@
-//! Puts all mutants of some source files into them at once: `mutants FILE... > TABLE`. Each is a branch that the
-//! variable `HULLWRIGHT_MUTANT` takes by its number, so that one build serves for all of them (Untch, Offutt,
-//! Harrold, "Mutation analysis using mutant schemata", 1993). Without it the sources do what they did.
+//! Puts all mutants of some source files into them at once: `mutants FILE... > TABLE`. Each is a
+//! branch that the variable `HULLWRIGHT_MUTANT` takes by its number, so that one build serves for
+//! all of them (Untch, Offutt, Harrold, "Mutation analysis using mutant schemata", 1993). Without
+//! it the sources do what they did.
 //!
-//! The files are overwritten: `mutants/run` does so in a copy. Operators are those of cargo-mutants: comparisons,
-//! arithmetic and logic are exchanged, negations are left out, functions return at once.
+//! The files are overwritten: `mutants/run` does so in a copy. Operators are those of
+//! cargo-mutants: comparisons, arithmetic and logic are exchanged, negations are left out,
+//! functions return at once.
 
 mod values;
 

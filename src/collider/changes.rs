@@ -266,8 +266,8 @@ pub(super) fn on_untag<T: Component>(
     let entity = removed.entity;
     let (has_failed, own, is_attached) = results.get(entity).unwrap_or_default();
     let attached = own.filter(|_| is_attached);
-    // The other tag takes over. If it goes in the same instant, as all do when an entity is despawned, the
-    // work is cancelled where it is resolved.
+    // The other tag takes over. If it goes in the same instant, as all do when an entity is
+    // despawned, the work is cancelled where it is resolved.
     if both_tags.contains(entity) {
         if work.unfinished.contains(entity) || has_failed {
             work.restart(entity);
@@ -277,7 +277,8 @@ pub(super) fn on_untag<T: Component>(
     if has_failed {
         outcomes.commands.entity(entity).try_remove::<FailedRequest>();
     }
-    // From now on the collider is Rapier's own, which scales it by what comes on top of what is baked.
+    // From now on the collider is Rapier's own, which scales it by what comes on top of what is
+    // baked.
     if let Some(scale) = attached.and_then(|own| own.stretch.scale()) {
         let relative = ColliderScale::Relative(scale.recip());
         outcomes.commands.entity(entity).try_insert(relative);
@@ -291,12 +292,12 @@ pub(super) fn on_untag<T: Component>(
     }
 }
 
-/// Entities whose distance is looked at in one frame: some ten microseconds. With ten thousand each has
-/// its turn every twentieth frame.
+/// Entities whose distance is looked at in one frame: some ten microseconds. With ten thousand each
+/// has its turn every twentieth frame.
 const LOOKED_AT_PER_FRAME: usize = 512;
 
-/// A collider is dropped this much farther than the radius within which it is made, so that it does not
-/// come and go at the border.
+/// A collider is dropped this much farther than the radius within which it is made, so that it does
+/// not come and go at the border.
 const DROP_MARGIN: f32 = 1.25;
 
 /// Entities that have come near start.

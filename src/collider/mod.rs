@@ -1,5 +1,5 @@
-//! Results reach their entities: as colliders, as statuses, as events. Errors do so as statuses, as events, and in
-//! one line of the log.
+//! Results reach their entities: as colliders, as statuses, as events. Errors do so as statuses, as
+//! events, and in one line of the log.
 
 pub(super) mod changes;
 mod follow;
@@ -150,8 +150,8 @@ fn is_busy(
     !unfinished.is_idle() || !jobs.is_idle() || counters.waiting_for_mesh > 0
 }
 
-/// Sets the dispatcher of each new world, for contacts that don't depend on the unit of length. Before the first
-/// step a world has no contacts to lose.
+/// Sets the dispatcher of each new world, for contacts that don't depend on the unit of length.
+/// Before the first step a world has no contacts to lose.
 fn set_dispatcher(
     settings: Res<HullwrightSettings>,
     mut worlds: Query<&mut RapierContextSimulation, Added<RapierContextSimulation>>,

@@ -1,5 +1,6 @@
-//! From a tag to a request: which meshes, which scale, which kind of collider, and whether there is anything to do
-//! at all. What is hidden, too small to matter, or too far from every focus is skipped on request.
+//! From a tag to a request: which meshes, which scale, which kind of collider, and whether there is
+//! anything to do at all. What is hidden, too small to matter, or too far from every focus is
+//! skipped on request.
 
 use std::sync::Arc;
 
@@ -31,7 +32,8 @@ use crate::tag::parameters::Goal;
 use crate::tag::settings::{FallbackCollider, HullwrightSettings};
 use crate::tag::{ConvexDecomposition, DecompositionFocus};
 
-/// Which meshes are coarser levels of detail: of those that stand for one thing the finest makes the collider.
+/// Which meshes are coarser levels of detail: of those that stand for one thing the finest makes
+/// the collider.
 #[derive(SystemParam)]
 pub(crate) struct Levels<'w, 's> {
     names: Query<'w, 's, &'static Name>,
@@ -42,7 +44,8 @@ pub(crate) struct Levels<'w, 's> {
 }
 
 impl Levels<'_, '_> {
-    /// Whether an entity is a coarser level, by its name and those beside it, or is not drawn near the camera.
+    /// Whether an entity is a coarser level, by its name and those beside it, or is not drawn near
+    /// the camera.
     pub(crate) fn is_coarser(&self, entity: Entity) -> bool {
         self.is_drawn_far_only(entity) || self.has_finer_sibling(entity)
     }
@@ -405,8 +408,8 @@ impl Scene<'_, '_> {
         goal
     }
 
-    /// Whether an entity is one of several primitives of a glTF mesh, which Bevy spawns as children of one
-    /// node without transforms of their own.
+    /// Whether an entity is one of several primitives of a glTF mesh, which Bevy spawns as children
+    /// of one node without transforms of their own.
     fn is_primitive_among_others(&self, entity: Entity) -> bool {
         let is_primitive = |entity: Entity| {
             let transform = self.transforms.get(entity);
@@ -420,7 +423,8 @@ impl Scene<'_, '_> {
         is_primitive(entity) && siblings.iter().filter(|child| is_primitive(*child)).count() > 1
     }
 
-    /// The meshes on an entity and below it, in the order of the children, of several levels of detail the finest.
+    /// The meshes on an entity and below it, in the order of the children, of several levels of
+    /// detail the finest.
     fn collect(&self, top: Entity, entity: Entity, parts: &mut Vec<MeshPart>) {
         let is_left_out = || self.boundaries.contains(entity) || self.levels.is_coarser(entity);
         if entity != top && is_left_out() {
@@ -437,7 +441,8 @@ impl Scene<'_, '_> {
         }
     }
 
-    /// Whether meshes are smaller in the world than the settings say. O(vertices), where they say something.
+    /// Whether meshes are smaller in the world than the settings say. O(vertices), where they say
+    /// something.
     fn is_too_small(&self, parts: &[MeshPart], map: &Affine3A) -> bool {
         let min_size = self.distances.settings.skip.min_size;
         if min_size <= 0.0 {

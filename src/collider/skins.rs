@@ -67,8 +67,8 @@ pub(super) struct Rest<'w, 's> {
 }
 
 impl Rest<'_, '_> {
-    /// Whether joints move the corners of a mesh's box by much of its diagonal, on average over all joints. `None` if
-    /// that is not known. O(vertices and joints).
+    /// Whether joints move the corners of a mesh's box by much of its diagonal, on average over all
+    /// joints. `None` if that is not known. O(vertices and joints).
     fn moves_all(&self, entity: Entity, mesh: &Mesh3d, skin: &SkinnedMesh) -> Option<bool> {
         let global = |entity| Some(self.transforms.compute_global_transform(entity).ok()?.affine());
         let own = global(entity)?;

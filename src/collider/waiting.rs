@@ -1,5 +1,5 @@
-//! What waits for its first collider: bodies are frozen, since without one they would fall through the floor, and
-//! entities get a fallback collider, the convex hull or the bounding box.
+//! What waits for its first collider: bodies are frozen, since without one they would fall through
+//! the floor, and entities get a fallback collider, the convex hull or the bounding box.
 
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -34,8 +34,8 @@ use crate::tag::outcomes::DecompositionStatus;
 use crate::tag::parameters::PrimitiveKind;
 use crate::tag::settings::{Execution, FallbackCollider, HullwrightSettings};
 
-/// On a body that is frozen: the entities that it waits for. It is held in Rapier alone and during steps alone, so that
-/// what users see, clone and save of it is their own.
+/// On a body that is frozen: the entities that it waits for. It is held in Rapier alone and during
+/// steps alone, so that what users see, clone and save of it is their own.
 #[derive(Component, Debug, Default)]
 pub(crate) struct Frozen {
     for_entities: EntityHashSet,
@@ -95,7 +95,8 @@ pub(super) fn freeze(
     }
 }
 
-/// Freezes bodies in the fixed step in which they are tagged: physics may run there before the plugin does.
+/// Freezes bodies in the fixed step in which they are tagged: physics may run there before the
+/// plugin does.
 pub(super) fn freeze_new(
     mut commands: Commands,
     settings: Res<HullwrightSettings>,
@@ -163,8 +164,8 @@ impl FrozenBodies<'_, '_> {
     }
 }
 
-/// Rapier moves by its velocity also what is locked. A clone may share its body with the original, and what is held by one
-/// of them is not held again.
+/// Rapier moves by its velocity also what is locked. A clone may share its body with the original,
+/// and what is held by one of them is not held again.
 fn hold(mut bodies: FrozenBodies) {
     bodies.for_each(|held, body| {
         let (velocity, locked) = ([body.linvel(), body.angvel()], body.locked_axes());

@@ -356,8 +356,8 @@ impl Unfinished {
         self.entries.iter().filter(move |(_, entry)| uses(entry)).map(|(entity, _)| *entity)
     }
 
-    /// The meshes of an entity are not there yet. Whether it has waited for longer than `patience`, which is said
-    /// once.
+    /// The meshes of an entity are not there yet. Whether it has waited for longer than `patience`,
+    /// which is said once.
     pub(super) fn resolve_later(&mut self, entity: Entity, patience: Option<Duration>) -> bool {
         self.unresolved.push_back(entity);
         let Some((patience, entry)) = patience.zip(self.entries.get_mut(&entity)) else {

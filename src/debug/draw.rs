@@ -22,19 +22,20 @@ use crate::tag::outcomes::DecompositionStatus;
 pub struct HullwrightDebug {
     /// Whether anything is. Default true.
     pub is_drawn: bool,
-    /// Hulls, each in its own colour; in yellow where a new collider is made since mesh or scale changed. Default true.
+    /// Hulls, each in its own colour; in yellow where a new collider is made since mesh or scale
+    /// changed. Default true.
     pub hulls: bool,
     /// Boxes, balls and capsules, in blue. Default true.
     pub primitives: bool,
     /// Triangles of what never moves, in green. Default false: their box.
     pub triangles: bool,
-    /// The boxes of meshes that wait for their first collider: in grey, and in cyan where their body is frozen.
-    /// Default true.
+    /// The boxes of meshes that wait for their first collider: in grey, and in cyan where their
+    /// body is frozen. Default true.
     pub waiting: bool,
     /// The boxes of meshes that failed, in red. Default true.
     pub failed: bool,
-    /// What is farther than this from every [`DecompositionFocus`](crate::DecompositionFocus), or without one
-    /// from every camera, is not drawn. Without either nothing is far. Default 50.
+    /// What is farther than this from every [`DecompositionFocus`](crate::DecompositionFocus), or
+    /// without one from every camera, is not drawn. Without either nothing is far. Default 50.
     pub radius: f32,
     /// Most lines per frame; what is nearest goes first. Default 20,000.
     pub max_lines: usize,
@@ -73,8 +74,8 @@ const WAITING: Color = Color::Srgba(Srgba::rgb(0.6, 0.6, 0.6));
 const FROZEN: Color = Color::Srgba(Srgba::rgb(0.2, 0.9, 0.9));
 const FAILED: Color = Color::Srgba(Srgba::rgb(1.0, 0.15, 0.1));
 
-/// Turns of the colour wheel from one hull to the next: by the golden ratio neighbours differ and no
-/// colour repeats soon.
+/// Turns of the colour wheel from one hull to the next: by the golden ratio neighbours differ and
+/// no colour repeats soon.
 const HUE_STEP: f32 = 0.618_034;
 
 /// What may be drawn, and from where it is seen.

@@ -1,4 +1,5 @@
-//! Colliders drawn, every hull in its own colour, and numbers among Bevy's diagnostics (feature `debug`).
+//! Colliders drawn, every hull in its own colour, and numbers among Bevy's diagnostics (feature
+//! `debug`).
 
 mod draw;
 
@@ -11,7 +12,8 @@ pub use self::draw::{HullGizmos, HullwrightDebug};
 use super::tag::outcomes::DecompositionCounters;
 use super::tag::settings::HullwrightSystems;
 
-/// Draws colliders that the plugin made and marks what has none, by [`HullwrightDebug`], and keeps its diagnostics.
+/// Draws colliders that the plugin made and marks what has none, by [`HullwrightDebug`], and keeps
+/// its diagnostics.
 ///
 /// Beside [`HullwrightPlugin`](crate::HullwrightPlugin). Lines are drawn where Bevy's `GizmoPlugin`
 /// and `GizmoRenderPlugin` are, as in `DefaultPlugins`; on a server without them there are the

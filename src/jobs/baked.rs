@@ -1,5 +1,5 @@
-//! Baked hulls: `.hullscene` files as assets, with the hulls of one mesh or of a whole scene, and the components that
-//! take hulls from there.
+//! Baked hulls: `.hullscene` files as assets, with the hulls of one mesh or of a whole scene, and
+//! the components that take hulls from there.
 
 use std::sync::Arc;
 
@@ -17,8 +17,9 @@ use crate::tag::parameters::Goal;
 use crate::tag::template::template_like_default;
 use crate::tag::{DEFAULT_DENSITY, setters};
 
-/// Gives the entity a collider of baked hulls, without a look at any mesh. They are in the mesh's own space, so it
-/// belongs where the mesh is, on the entity that has the `Mesh3d` or on the glTF node.
+/// Gives the entity a collider of baked hulls, without a look at any mesh. They are in the mesh's
+/// own space, so it belongs where the mesh is, on the entity that has the `Mesh3d` or on the glTF
+/// node.
 ///
 /// Its scale is baked into the points as for
 /// [`ConvexDecomposition`](crate::ConvexDecomposition).
@@ -44,8 +45,8 @@ pub struct BakedDecomposition {
     pub mesh: Option<String>,
     /// Mass per cubed unit of the world; positive. Default 1.
     pub density: f32,
-    /// The mass of the whole collider in the world, whatever its scale, instead of the density; positive.
-    /// Default `None`.
+    /// The mass of the whole collider in the world, whatever its scale, instead of the density;
+    /// positive. Default `None`.
     pub mass: Option<f32>,
 }
 
@@ -95,8 +96,8 @@ pub enum LoadHullsError {
     Recipe(String),
 }
 
-/// The hulls of a scene's meshes, made before as `hullwright bake` does: the content of a `.hullscene`
-/// file. To reflection it is one value, since the library's types name no engine.
+/// The hulls of a scene's meshes, made before as `hullwright bake` does: the content of a
+/// `.hullscene` file. To reflection it is one value, since the library's types name no engine.
 #[derive(Asset, Reflect, Debug, Clone)]
 #[reflect(opaque, Debug, Clone)]
 #[type_path = "hullwright"]
@@ -111,12 +112,13 @@ pub struct BakedScene {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
 #[serde(default)]
 pub struct BakedSceneSettings {
-    /// Whether a mesh gets its hulls also where another version of the algorithm made them. They keep the bound that
-    /// the file says; a server and its players must decide alike. Default false: it is decomposed anew.
+    /// Whether a mesh gets its hulls also where another version of the algorithm made them. They
+    /// keep the bound that the file says; a server and its players must decide alike. Default
+    /// false: it is decomposed anew.
     pub accepts_other_versions: bool,
-    /// Whether a glTF mesh is found by its asset path and label, as one that is on the GPU only. It is compared by its
-    /// number of triangles and its bounding box alone, so what moved within that is not noticed, and hashing takes no time.
-    /// Default false: by its content.
+    /// Whether a glTF mesh is found by its asset path and label, as one that is on the GPU only. It
+    /// is compared by its number of triangles and its bounding box alone, so what moved within that
+    /// is not noticed, and hashing takes no time. Default false: by its content.
     pub by_label: bool,
 }
 
@@ -174,8 +176,8 @@ impl BakedScene {
         self.settings.by_label
     }
 
-    /// What is at a place: the hulls of a mesh, whichever version of the algorithm made them, or after all of these the
-    /// triangles of one.
+    /// What is at a place: the hulls of a mesh, whichever version of the algorithm made them, or
+    /// after all of these the triangles of one.
     pub(super) fn geometry_of(&self, index: usize) -> Option<Arc<ColliderGeometry>> {
         let HullScene { meshes, triangles, .. } = &*self.scene;
         if let Some(baked) = meshes.get(index) {

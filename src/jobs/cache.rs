@@ -1,5 +1,5 @@
-//! Results that are known in memory, within a number of bytes: hulls by the content of their mesh, and shapes of them by
-//! scale. It is shared with the jobs; its lock is held for a look-up only.
+//! Results that are known in memory, within a number of bytes: hulls by the content of their mesh,
+//! and shapes of them by scale. It is shared with the jobs; its lock is held for a look-up only.
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -105,7 +105,8 @@ impl GeometryCache {
         Some(BuiltCollider { key, geometry, shape, source: key.source_of_known() })
     }
 
-    /// Keeps what was made with this map, and drops what was not used for longest until `limit` bytes are left.
+    /// Keeps what was made with this map, and drops what was not used for longest until `limit`
+    /// bytes are left.
     pub(super) fn insert(&self, built: &BuiltCollider, map: MapKey, limit: usize) {
         let mut memory = self.lock();
         memory.insert(built, map);

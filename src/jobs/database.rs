@@ -1,8 +1,9 @@
-//! The cache of a browser: an IndexedDB with the bytes of a `.hulls` file per mesh and parameters, within a number of
-//! bytes. Tabs may share it. It answers later than it is asked, so a frame only asks whether it has.
+//! The cache of a browser: an IndexedDB with the bytes of a `.hulls` file per mesh and parameters,
+//! within a number of bytes. Tabs may share it. It answers later than it is asked, so a frame only
+//! asks whether it has.
 //!
-//! JavaScript's values stay on their thread, so what is here belongs to the thread of the game, and a [`Look`] names
-//! what it waits for by a number.
+//! JavaScript's values stay on their thread, so what is here belongs to the thread of the game, and
+//! a [`Look`] names what it waits for by a number.
 
 use std::cell::RefCell;
 use std::collections::HashMap;
@@ -19,11 +20,12 @@ use web_sys::{IdbDatabase, IdbObjectStore, IdbRequest, IdbTransaction, IdbTransa
 use super::kept::{is_usable, kept, unseen};
 use super::request::ContentKey;
 
-/// The stores of the database, both by the name of a result: its bytes, and how many they are and when they were used
-/// last, which can be looked at without reading the bytes.
+/// The stores of the database, both by the name of a result: its bytes, and how many they are and
+/// when they were used last, which can be looked at without reading the bytes.
 const STORES: [&str; 2] = ["hulls", "uses"];
 
-/// A browser may never answer, and entities wait meanwhile. Longer than any frame, after which answers come.
+/// A browser may never answer, and entities wait meanwhile. Longer than any frame, after which
+/// answers come.
 const PATIENCE: Duration = Duration::from_secs(10);
 
 /// What the process knows is known to the thread of the game.

@@ -1,5 +1,5 @@
-//! Hashes of large meshes in a browser: by its own SHA-256, beside the thread of the game. A frame only asks whether it
-//! has answered.
+//! Hashes of large meshes in a browser: by its own SHA-256, beside the thread of the game. A frame
+//! only asks whether it has answered.
 
 use std::sync::{Arc, OnceLock};
 
@@ -18,7 +18,8 @@ const LEAST_TRIANGLES: usize = 2000;
 pub(super) struct Digest(Arc<OnceLock<Option<MeshHash>>>);
 
 impl Digest {
-    /// Begins to hash a mesh; `None` where it is small, or the browser does not hash, as on a page that came by plain HTTP.
+    /// Begins to hash a mesh; `None` where it is small, or the browser does not hash, as on a page
+    /// that came by plain HTTP.
     pub(super) fn start(data: &MeshData) -> Option<Self> {
         if data.triangles.len() < LEAST_TRIANGLES {
             return None;

@@ -1,5 +1,6 @@
-//! The cache on disk: a `.hulls` file per mesh and parameters, within a number of bytes. Several processes may share it:
-//! files are written all or nothing, and one that another process has removed is a missing one.
+//! The cache on disk: a `.hulls` file per mesh and parameters, within a number of bytes. Several
+//! processes may share it: files are written all or nothing, and one that another process has
+//! removed is a missing one.
 
 use std::fs::{DirEntry, File, Metadata};
 use std::path::{Path, PathBuf};
@@ -24,8 +25,8 @@ pub(super) struct DiskCache {
 /// What this process knows of the directory.
 #[derive(Debug, Default)]
 pub(super) struct DiskState {
-    /// Bytes that may be written before the directory is looked at again. The first file that is written looks at what
-    /// earlier runs left.
+    /// Bytes that may be written before the directory is looked at again. The first file that is
+    /// written looks at what earlier runs left.
     unseen: AtomicI64,
     /// Whether the log says that files can't be written.
     is_failure_logged: AtomicBool,
@@ -118,7 +119,8 @@ fn file_in(entry: std::io::Result<DirEntry>) -> Option<(DirEntry, Metadata)> {
     metadata.is_file().then_some((entry, metadata))
 }
 
-/// Another process may have removed it, or hold it open where that keeps it; then it goes next time.
+/// Another process may have removed it, or hold it open where that keeps it; then it goes next
+/// time.
 fn remove(path: &Path) {
     let _ = std::fs::remove_file(path);
 }

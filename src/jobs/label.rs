@@ -1,6 +1,7 @@
-//! Meshes that are found in a baked scene by their asset path and label, `level.glb#Mesh3/Primitive0`, since their
-//! content is on the GPU alone or shall not be hashed. They are compared by their number of triangles and by their
-//! bounding box. Not by vertices: where normals or textures have a seam, readers split them in ways of their own.
+//! Meshes that are found in a baked scene by their asset path and label,
+//! `level.glb#Mesh3/Primitive0`, since their content is on the GPU alone or shall not be hashed.
+//! They are compared by their number of triangles and by their bounding box. Not by vertices: where
+//! normals or textures have a seam, readers split them in ways of their own.
 
 use std::collections::BTreeSet;
 
@@ -17,12 +18,13 @@ use super::baked::BakedScene;
 use super::request::{ColliderRequest, MeshPart};
 use crate::tag::parameters::Goal;
 
-/// What meshes look like from outside whose data the renderer takes away, worked out while it is there.
+/// What meshes look like from outside whose data the renderer takes away, worked out while it is
+/// there.
 #[derive(Resource, Debug, Default)]
 pub(super) struct Outlines(HashMap<AssetId<Mesh>, Outline>);
 
-/// After Bevy has told of new assets, and before the renderer hears of it. O(size) for each mesh that is for the GPU
-/// only.
+/// After Bevy has told of new assets, and before the renderer hears of it. O(size) for each mesh
+/// that is for the GPU only.
 pub(super) fn note_outlines(
     mut outlines: ResMut<Outlines>,
     mut events: MessageReader<AssetEvent<Mesh>>,

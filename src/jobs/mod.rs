@@ -1,4 +1,5 @@
-//! Work for entities: requests wait, the first of them become jobs, jobs end in results. Nothing waits for a job.
+//! Work for entities: requests wait, the first of them become jobs, jobs end in results. Nothing
+//! waits for a job.
 
 pub(super) mod baked;
 pub(super) mod cache;
@@ -82,8 +83,8 @@ impl Plugin for JobsPlugin {
         {
             return;
         }
-        // Meshes are Bevy's own; without its plugin for them, as on a server, they are set up here. A second
-        // time would drop all meshes.
+        // Meshes are Bevy's own; without its plugin for them, as on a server, they are set up here.
+        // A second time would drop all meshes.
         if !world.contains_resource::<Assets<Mesh>>() {
             app.init_asset::<Mesh>();
         }
@@ -98,7 +99,8 @@ impl Plugin for JobsPlugin {
     }
 }
 
-/// Decompositions go on in the main thread, with what is left of the frame's budget when all that is ready is attached.
+/// Decompositions go on in the main thread, with what is left of the frame's budget when all that
+/// is ready is attached.
 #[derive(SystemSet, Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(super) struct SlicesRun;
 
@@ -168,7 +170,8 @@ impl Drop for Jobs {
 }
 
 impl Jobs {
-    /// Takes the request of an entity. Whether it waits for a job: what is known has its result at once.
+    /// Takes the request of an entity. Whether it waits for a job: what is known has its result at
+    /// once.
     pub(super) fn submit(&mut self, entity: Entity, request: Arc<ColliderRequest>) -> bool {
         let known = self.known_result(&request);
         let waits = known.is_none();
@@ -179,8 +182,8 @@ impl Jobs {
         waits
     }
 
-    /// Drops what is done for this entity. A job that is for no other is cancelled: if it has not started it is
-    /// dropped, otherwise it stops at its next check.
+    /// Drops what is done for this entity. A job that is for no other is cancelled: if it has not
+    /// started it is dropped, otherwise it stops at its next check.
     pub(super) fn forget(&mut self, entity: Entity) {
         self.waiting.retain(|(other, _)| *other != entity);
         self.completed.retain(|completed| completed.entity != entity);
@@ -498,15 +501,16 @@ pub(super) struct FrameTime {
 }
 
 impl FrameTime {
-    /// The time that a system may take: what the others have left of the frame's budget, without the share for
-    /// attaching.
+    /// The time that a system may take: what the others have left of the frame's budget, without
+    /// the share for attaching.
     pub(super) fn budget(&mut self, settings: &HullwrightSettings) -> Budget<'_> {
         let length = settings.budget.frame_time.saturating_sub(attaching_time(settings));
         let length = length.saturating_sub(self.spent);
         Budget { frame: self, start: Instant::now(), length, has_started: false }
     }
 
-    /// The time for attaching: all that is left, and its share even where the others have taken more than theirs.
+    /// The time for attaching: all that is left, and its share even where the others have taken
+    /// more than theirs.
     pub(super) fn attaching_budget(&mut self, settings: &HullwrightSettings) -> Budget<'_> {
         let left = settings.budget.frame_time.saturating_sub(self.spent);
         let length = left.max(attaching_time(settings));
@@ -514,8 +518,9 @@ impl FrameTime {
     }
 }
 
-/// Attaching comes last, and has this share of a frame's budget. Otherwise colliders that are ready wait until the last
-/// one is built, and then take frames of their own. It is enough for all that is built in a frame.
+/// Attaching comes last, and has this share of a frame's budget. Otherwise colliders that are ready
+/// wait until the last one is built, and then take frames of their own. It is enough for all that
+/// is built in a frame.
 const ATTACHING_SHARE: u32 = 16;
 
 fn attaching_time(settings: &HullwrightSettings) -> Duration {
@@ -554,8 +559,8 @@ const DEBUG_BUILD: &str = "a debug build takes thirty times as long, unless Carg
 /// Smaller steps of progress are not worth a change of the status.
 const PROGRESS_STEP: f32 = 0.01;
 
-/// Takes the results of finished jobs, and shows the progress of the others. The first system of a frame that has
-/// a budget.
+/// Takes the results of finished jobs, and shows the progress of the others. The first system of a
+/// frame that has a budget.
 pub(super) fn finish_jobs(
     mut jobs: ResMut<Jobs>,
     Frame { mut time, settings }: Frame,
@@ -681,7 +686,8 @@ fn most_decompositions(budget: &BudgetSettings) -> usize {
     }
 }
 
-/// Jobs that are done within a frame wait in the pool, so that its threads do not wait for the next frame.
+/// Jobs that are done within a frame wait in the pool, so that its threads do not wait for the next
+/// frame.
 const QUICK_JOBS: usize = 32;
 
 /// What jobs are made from, and who goes first.
@@ -696,8 +702,9 @@ pub(super) struct Sources<'w, 's> {
 }
 
 impl Sources<'_, '_> {
-    /// By priority, then by distance to the nearest focus. Stable, so that without a focus those that came first
-    /// go first. Entities without a transform go last among those of their priority.
+    /// By priority, then by distance to the nearest focus. Stable, so that without a focus those
+    /// that came first go first. Entities without a transform go last among those of their
+    /// priority.
     fn sort(&self, waiting: &mut [(Entity, Arc<ColliderRequest>)]) {
         // Also in the frame in which they are spawned, when `GlobalTransform` is not known yet.
         let place =

@@ -1,5 +1,5 @@
-//! The plugin's own threads: Bevy compiles render pipelines on its pool for background work, and that has a single
-//! thread on most machines.
+//! The plugin's own threads: Bevy compiles render pipelines on its pool for background work, and
+//! that has a single thread on most machines.
 
 use std::sync::{Arc, OnceLock};
 
@@ -28,8 +28,8 @@ fn processors() -> usize {
 #[cfg(all(target_family = "wasm", target_os = "unknown"))]
 use super::worker::processors;
 
-/// The pool, made at its first use, and anew when the number of threads in the settings changes. Work that began on the
-/// old one ends there.
+/// The pool, made at its first use, and anew when the number of threads in the settings changes.
+/// Work that began on the old one ends there.
 #[derive(Default)]
 pub(super) struct Pool(Option<(usize, Arc<TaskPool>)>);
 
@@ -51,8 +51,8 @@ fn new_pool(threads: usize) -> TaskPool {
     pool.build()
 }
 
-/// Below normal on Windows, a niceness of about 10 on Linux: less than the game's own threads, but not only what they
-/// leave.
+/// Below normal on Windows, a niceness of about 10 on Linux: less than the game's own threads, but
+/// not only what they leave.
 #[cfg(not(target_family = "wasm"))]
 const PRIORITY: u8 = 25;
 
@@ -61,7 +61,8 @@ fn lower_priority() {
     let priority = thread_priority::ThreadPriorityValue::try_from(PRIORITY);
     let lowered = priority.is_ok_and(|priority| {
         let priority = thread_priority::ThreadPriority::Crossplatform(priority);
-        // A game's thread may be a real-time one, among which this priority could be the higher one.
+        // A game's thread may be a real-time one, among which this priority could be the higher
+        // one.
         #[cfg(unix)]
         return thread_priority::set_thread_priority_and_policy(
             thread_priority::thread_native_id(),

@@ -1,4 +1,5 @@
-//! Recipes: a text that names a scene, whose hulls are made when the asset is loaded or, at build time, processed.
+//! Recipes: a text that names a scene, whose hulls are made when the asset is loaded or, at build
+//! time, processed.
 
 use bevy::asset::io::{Reader, Writer};
 use bevy::asset::processor::LoadTransformAndSave;
@@ -14,9 +15,10 @@ use hullwright_formats::{read_scene_from_bytes, sum_notes};
 use super::baked::{BakedScene, BakedSceneSettings, HullSceneLoader, LoadHullsError};
 use super::task::contain_panics;
 
-/// Loads `.hullrecipe` files (feature `io`): JSON that names a scene beside it,
-/// `{"scene": "level.glb", "parameters": "max_error=1%", "tagged_only": false, "triangles": false}`, the last three if need
-/// be. The hulls are made when it is loaded or, if Bevy processes assets, at build time.
+/// Loads `.hullrecipe` files (feature `io`): JSON that names a scene beside it, `{"scene":
+/// "level.glb", "parameters": "max_error=1%", "tagged_only": false, "triangles": false}`, the last
+/// three if need be. The hulls are made when it is loaded or, if Bevy processes assets, at build
+/// time.
 #[derive(TypePath, Debug, Clone, Copy, Default)]
 #[type_path = "hullwright"]
 pub struct HullRecipeLoader;
@@ -54,8 +56,8 @@ impl AssetLoader for HullRecipeLoader {
 #[type_path = "hullwright"]
 pub struct HullSceneSaver;
 
-/// What Bevy's asset processor makes of a recipe: the hulls of the scene that it names. The plugin sets it for the
-/// suffix.
+/// What Bevy's asset processor makes of a recipe: the hulls of the scene that it names. The plugin
+/// sets it for the suffix.
 pub type HullRecipeProcessor =
     LoadTransformAndSave<HullRecipeLoader, IdentityAssetTransformer<BakedScene>, HullSceneSaver>;
 

@@ -1,5 +1,5 @@
-//! What colliders are made from: requests of entities, the keys of inputs and results, and the triangles of
-//! Bevy's meshes.
+//! What colliders are made from: requests of entities, the keys of inputs and results, and the
+//! triangles of Bevy's meshes.
 
 use std::sync::Arc;
 
@@ -127,7 +127,8 @@ pub(crate) enum ContentKey {
         mesh: MeshHash,
         /// What is made of it: see [`Goal::hash`].
         goal: [u8; 32],
-        /// The baked scene that it comes from, which may have other hulls than a decomposition makes.
+        /// The baked scene that it comes from, which may have other hulls than a decomposition
+        /// makes.
         scene: Option<UntypedAssetId>,
     },
     /// A mesh of a baked scene.
@@ -278,8 +279,8 @@ fn append(data: &mut MeshData, mesh: &Mesh, map: &Affine3A) -> Result<(), Decomp
     Ok(())
 }
 
-/// Adds the triangles of a list or a strip. Every second triangle of a strip is wound the other way round. The index
-/// `restart` begins a new one.
+/// Adds the triangles of a list or a strip. Every second triangle of a strip is wound the other way
+/// round. The index `restart` begins a new one.
 fn fill(
     triangles: &mut Vec<[u32; 3]>,
     is_strip: bool,

@@ -1,5 +1,5 @@
-//! One decomposition, from its triangles to a shape, in steps: on a thread in the background, or step by step on
-//! the main thread.
+//! One decomposition, from its triangles to a shape, in steps: on a thread in the background, or
+//! step by step on the main thread.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -37,7 +37,8 @@ pub(super) enum TaskInput {
     Mesh {
         data: MeshData,
         goal: Goal,
-        /// Where its hulls may be found: then it is not decomposed, but waits again if they are not there.
+        /// Where its hulls may be found: then it is not decomposed, but waits again if they are not
+        /// there.
         baked: Option<(UntypedAssetId, BakedScene)>,
     },
     /// Known geometry, of which another shape is wanted.
@@ -54,8 +55,8 @@ type StepResult = Result<Option<TaskOutput>, DecompositionError>;
 #[derive(Debug)]
 pub(super) enum TaskOutput {
     Built(BuiltCollider),
-    /// It has to wait for a decomposition: another job is at work on the same content, or it was not where it may have
-    /// been found.
+    /// It has to wait for a decomposition: another job is at work on the same content, or it was
+    /// not where it may have been found.
     Wait(ContentKey),
 }
 
@@ -265,8 +266,8 @@ impl DecompositionTask {
                 worker::Answer::Pending => None,
                 worker::Answer::Hulls(file) => Some(*file),
                 worker::Answer::Trapped => return Err(DecompositionError::Panicked),
-                // An error of the method comes again here, with its type, unless the worker was short of memory. What
-                // had no worker is decomposed here.
+                // An error of the method comes again here, with its type, unless the worker was
+                // short of memory. What had no worker is decomposed here.
                 worker::Answer::Refused => {
                     work.place = Place::Here(work.method.decomposer(work.data.view(), _control)?);
                     None
@@ -342,8 +343,8 @@ fn shape_of(
     }
 }
 
-/// Without it, what slides over a floor stumbles over the edges between its triangles. Two-sided, since
-/// with one side things fall through triangles that a modeller wound the wrong way round.
+/// Without it, what slides over a floor stumbles over the edges between its triangles. Two-sided,
+/// since with one side things fall through triangles that a modeller wound the wrong way round.
 const TRIANGLE_FLAGS: TriMeshFlags = TriMeshFlags::FIX_INTERNAL_EDGES_TWO_SIDED;
 
 /// Rapier's triangle mesh, for what doesn't move.
@@ -378,8 +379,8 @@ pub(crate) fn primitive_around(
         |from: &dyn Fn(Vector) -> f32| points.iter().map(|p| from(*p)).fold(0.0, f32::max);
     let shape = match kind {
         PrimitiveKind::Cuboid => SharedShape::cuboid(half.x, half.y, half.z),
-        // By the vertices, which lie on the surface of the ball that was meant, and not by the box, which
-        // is smaller where no vertex lies on an axis.
+        // By the vertices, which lie on the surface of the ball that was meant, and not by the box,
+        // which is smaller where no vertex lies on an axis.
         PrimitiveKind::Ball => SharedShape::ball(distances(&|point| (point - middle).length())),
         PrimitiveKind::Capsule => {
             // Of equal sides the first.
@@ -429,7 +430,8 @@ fn map_point(map: &Affine3A) -> impl Fn([f64; 3]) -> [f64; 3] + use<> {
     move |point| (linear * DVec3::from(point) + offset).to_array()
 }
 
-/// Contains a panic to one job: it costs a collider, not the game. Where panics abort, as in browsers, nothing can.
+/// Contains a panic to one job: it costs a collider, not the game. Where panics abort, as in
+/// browsers, nothing can.
 pub(crate) fn contain_panics<T>(
     run: impl FnOnce() -> Result<T, DecompositionError>,
 ) -> Result<T, DecompositionError> {

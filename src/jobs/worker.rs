@@ -1,8 +1,8 @@
-//! Web workers, in which a browser's jobs are decomposed: the module of the npm package, and a worker for each
-//! decomposition at once. A frame only asks whether they have answered.
+//! Web workers, in which a browser's jobs are decomposed: the module of the npm package, and a
+//! worker for each decomposition at once. A frame only asks whether they have answered.
 //!
-//! JavaScript's values stay on their thread, so what is here belongs to the thread of the game, and a [`Call`] names
-//! what it waits for by a number.
+//! JavaScript's values stay on their thread, so what is here belongs to the thread of the game, and
+//! a [`Call`] names what it waits for by a number.
 
 use std::cell::RefCell;
 use std::collections::HashMap;
@@ -21,12 +21,12 @@ use super::request::MeshData;
 /// The files of the npm package that a game ships.
 const FILES: [&str; 2] = ["worker-core.js", "hullwright-core.wasm"];
 
-/// So long a module may take to come, and a new worker to send its first sign of progress, which it sends before any
-/// work. Longer than a slow network takes for a megabyte; entities wait meanwhile.
+/// So long a module may take to come, and a new worker to send its first sign of progress, which it
+/// sends before any work. Longer than a slow network takes for a megabyte; entities wait meanwhile.
 const LOAD_LIMIT: Duration = Duration::from_secs(30);
 
-/// A worker without a call is ended after once or twice this, since its memory never shrinks. Longer than pauses in a
-/// level that loads; a fresh worker takes some 10 ms of its own thread.
+/// A worker without a call is ended after once or twice this, since its memory never shrinks.
+/// Longer than pauses in a level that loads; a fresh worker takes some 10 ms of its own thread.
 const IDLE: Duration = Duration::from_secs(5);
 
 /// A decomposition in a worker. Dropped before it is done, it ends the worker.
@@ -109,8 +109,8 @@ pub(super) fn processors() -> usize {
 }
 
 impl Call {
-    /// Asks for hulls of a mesh, with mass properties at a density of 1, from a worker whose files are in `folder`.
-    /// Nothing where there are no workers.
+    /// Asks for hulls of a mesh, with mass properties at a density of 1, from a worker whose files
+    /// are in `folder`. Nothing where there are no workers.
     pub(super) fn start(
         folder: &str,
         data: &MeshData,
@@ -250,7 +250,8 @@ impl Workers {
         }
     }
 
-    /// Sends what waits to workers that are free, or new. There are never more calls than workers may be.
+    /// Sends what waits to workers that are free, or new. There are never more calls than workers
+    /// may be.
     fn send_waiting(&mut self) {
         let Module::Ready(module) = &self.module else { return };
         let module = module.clone();

@@ -1,4 +1,5 @@
-//! What users say of a whole scene, and how far it is: the component, its status, and the event in which it ends.
+//! What users say of a whole scene, and how far it is: the component, its status, and the event in
+//! which it ends.
 
 use std::time::Duration;
 
@@ -49,15 +50,15 @@ pub struct ConvexDecompositionHierarchy {
     /// By the name of the node or the mesh; `None` to leave it out.
     #[cfg_attr(feature = "serde", serde(with = "by_name"))]
     pub by_name: HashMap<String, Option<ConvexDecomposition>>,
-    /// Whether names and glTF extras say what becomes of a mesh: Godot's suffixes, such as `-col` and
-    /// `-convcol`, and `-convdecomp`; Unreal's prefixes, where `UCX_chair_01` is a piece of the collider of
-    /// `chair`, which is then not decomposed; extras such as `{"collider": "convex_decomposition",
-    /// "max_error": 0.01}`. Extras are read, and colliders not drawn, with the feature `bevy_gltf`. Default
-    /// true.
+    /// Whether names and glTF extras say what becomes of a mesh: Godot's suffixes, such as `-col`
+    /// and `-convcol`, and `-convdecomp`; Unreal's prefixes, where `UCX_chair_01` is a piece of the
+    /// collider of `chair`, which is then not decomposed; extras such as `{"collider":
+    /// "convex_decomposition", "max_error": 0.01}`. Extras are read, and colliders not drawn, with
+    /// the feature `bevy_gltf`. Default true.
     pub follows_artists: bool,
-    /// Where the hulls of its meshes may be found. What is not there, or was baked from another mesh or
-    /// with other settings, is decomposed, and the log says so. Not in texts: paths belong to the code
-    /// that loads them. Default `None`.
+    /// Where the hulls of its meshes may be found. What is not there, or was baked from another
+    /// mesh or with other settings, is decomposed, and the log says so. Not in texts: paths belong
+    /// to the code that loads them. Default `None`.
     #[cfg_attr(feature = "serde", serde(skip))]
     pub baked: Option<Handle<BakedScene>>,
 }
@@ -138,7 +139,8 @@ mod by_name {
     }
 }
 
-/// How far the meshes below a [`ConvexDecompositionHierarchy`](crate::ConvexDecompositionHierarchy) are.
+/// How far the meshes below a [`ConvexDecompositionHierarchy`](crate::ConvexDecompositionHierarchy)
+/// are.
 #[derive(Component, Reflect, Debug, Clone, Copy, PartialEq, Default)]
 #[reflect(Component, Default, Clone, PartialEq)]
 #[type_path = "hullwright"]
@@ -171,9 +173,11 @@ pub struct HierarchyReport {
     pub without_collider: usize,
     /// With a collider of hulls, or a box, ball or capsule on request.
     pub ready: usize,
-    /// Tagged, but without a decomposition: [`DecompositionStatus::Skipped`](crate::DecompositionStatus::Skipped) says why.
+    /// Tagged, but without a decomposition:
+    /// [`DecompositionStatus::Skipped`](crate::DecompositionStatus::Skipped) says why.
     pub skipped: usize,
-    /// Without a collider, since the work failed: [`DecompositionStatus::Failed`](crate::DecompositionStatus::Failed) says why.
+    /// Without a collider, since the work failed:
+    /// [`DecompositionStatus::Failed`](crate::DecompositionStatus::Failed) says why.
     pub failed: usize,
     /// Despawned or untagged before they were ready.
     pub cancelled: usize,
@@ -181,13 +185,14 @@ pub struct HierarchyReport {
     pub left_out: usize,
     /// Of those that are ready: from the baked scene.
     pub from_baked: usize,
-    /// Of those that are ready: made anew, since the baked scene has another state of them. The log says
-    /// which and why.
+    /// Of those that are ready: made anew, since the baked scene has another state of them. The log
+    /// says which and why.
     pub stale: usize,
-    /// Of those that are ready: made anew, since the baked scene does not have them. The log says which.
+    /// Of those that are ready: made anew, since the baked scene does not have them. The log says
+    /// which.
     pub missing: usize,
-    /// Whether the scene itself could not be loaded: it has no meshes, and `AssetServer::get_load_state` of its
-    /// handle says why.
+    /// Whether the scene itself could not be loaded: it has no meshes, and
+    /// `AssetServer::get_load_state` of its handle says why.
     pub is_lost: bool,
     /// From the first mesh to the last collider, by the clock on the wall.
     pub time: Duration,

@@ -1,4 +1,5 @@
-//! Levels of detail that a glTF file links (`MSFT_lod`): its nodes name coarser ones, which make no colliders.
+//! Levels of detail that a glTF file links (`MSFT_lod`): its nodes name coarser ones, which make no
+//! colliders.
 
 use std::collections::HashSet;
 

@@ -89,8 +89,8 @@ struct Scenes<'w, 's> {
 }
 
 impl Scenes<'_, '_> {
-    /// Whether Bevy has spawned the scene below an entity, and whether that could not be loaded; `None` if it has none to
-    /// spawn. It spawns one whose textures are missing.
+    /// Whether Bevy has spawned the scene below an entity, and whether that could not be loaded;
+    /// `None` if it has none to spawn. It spawns one whose textures are missing.
     fn is_spawned_or_lost(&self, entity: Entity) -> Option<(bool, bool)> {
         #[cfg(feature = "bevy_gltf")]
         if let Ok(root) = self.roots.get(entity) {
@@ -103,7 +103,8 @@ impl Scenes<'_, '_> {
         None
     }
 
-    /// Counts what came from a baked scene, and returns what did not and why, as a sentence without subject.
+    /// Counts what came from a baked scene, and returns what did not and why, as a sentence without
+    /// subject.
     fn compare(
         &self,
         handle: &Handle<BakedScene>,
@@ -265,8 +266,8 @@ pub struct DecompositionProgress {
     pub finished: usize,
     /// Entities in all; scenes that are not there yet count as one.
     pub total: usize,
-    /// Share of the work that is done, from 0 to 1, with jobs at work by their own progress. It never
-    /// falls until all is finished.
+    /// Share of the work that is done, from 0 to 1, with jobs at work by their own progress. It
+    /// never falls until all is finished.
     pub fraction: f32,
 }
 

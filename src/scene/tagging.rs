@@ -1,6 +1,7 @@
-//! Tags the nodes of scenes: which have meshes, what they and their meshes are called, what their extras say, and
-//! which tag follows from that, by a default, by names, by the artist. Pieces of a collider that an artist made, as
-//! Unreal's `UCX_chair_01` is one of `chair`, are tied to their mesh.
+//! Tags the nodes of scenes: which have meshes, what they and their meshes are called, what their
+//! extras say, and which tag follows from that, by a default, by names, by the artist. Pieces of a
+//! collider that an artist made, as Unreal's `UCX_chair_01` is one of `chair`, are tied to their
+//! mesh.
 
 use std::collections::BTreeMap;
 
@@ -44,8 +45,8 @@ fn is_identity(transform: Option<&Transform>) -> bool {
     transform.is_none_or(|transform| *transform == Transform::IDENTITY)
 }
 
-/// On a piece of a collider that an artist made: the entity of the mesh that it belongs to. The piece is below it, or is
-/// put there.
+/// On a piece of a collider that an artist made: the entity of the mesh that it belongs to. The
+/// piece is below it, or is put there.
 #[derive(Component, Reflect, Debug, Clone, Copy, PartialEq, Eq)]
 #[reflect(Component, Clone, PartialEq)]
 #[type_path = "hullwright"]
@@ -68,8 +69,8 @@ pub(super) struct Pieces<'w, 's> {
 }
 
 impl Pieces<'_, '_> {
-    /// Ties a piece to its mesh, or frees it. A collider belongs to the body above it, so a piece that is elsewhere comes
-    /// below its mesh, in the place where it is.
+    /// Ties a piece to its mesh, or frees it. A collider belongs to the body above it, so a piece
+    /// that is elsewhere comes below its mesh, in the place where it is.
     fn tie(&self, commands: &mut Commands, piece: Entity, whole: Option<Entity>) {
         if self.tied.get(piece).ok().map(|tied| tied.0) == whole {
             return;
@@ -177,8 +178,8 @@ impl Nodes<'_, '_> {
         return (entity, None).1;
     }
 
-    /// Whether the meshes right below are the primitives of one glTF mesh, whose name they have then,
-    /// and not meshes of their own.
+    /// Whether the meshes right below are the primitives of one glTF mesh, whose name they have
+    /// then, and not meshes of their own.
     fn is_gltf_node(&self, entity: Entity) -> bool {
         let mut names = self.meshes_right_below(entity).map(|mesh| self.mesh_name(mesh));
         let Some(Some(first)) = names.next() else { return false };
@@ -433,7 +434,8 @@ impl Wholes {
             let rest = whole_of(rest, |name| by_name.contains_key(name));
             let candidates = by_name.get(rest).into_iter().flatten();
             let candidates = candidates.filter(|(whole, _)| *whole != piece);
-            // Of several with the name that above it, then the copy that it was copied with, then one beside it.
+            // Of several with the name that above it, then the copy that it was copied with, then
+            // one beside it.
             let (is_above, parent) = (
                 |whole| nodes.parents.iter_ancestors(piece).any(|above| above == whole),
                 |node| nodes.parents.get(node).ok().map(ChildOf::parent),
@@ -545,7 +547,8 @@ impl Rules<'_, '_, '_> {
             let mut commands = commands.entity(node);
             if let Some(body) = body {
                 commands.try_insert_if_new(body);
-                // Rapier takes a new body's place from it, maybe before Bevy has computed it in this frame.
+                // Rapier takes a new body's place from it, maybe before Bevy has computed it in
+                // this frame.
                 commands.try_insert(nodes.pieces.place(node));
             }
             let baked = hierarchy.baked.clone().filter(|_| tag.is_some()).map(FromBakedScene);
@@ -630,7 +633,8 @@ fn made_of(kind: ColliderKind, base: ConvexDecomposition) -> ConvexDecomposition
     }
 }
 
-/// What becomes of a node with such extras; `base` is the tag that the scene has. No collider where they exclude one.
+/// What becomes of a node with such extras; `base` is the tag that the scene has. No collider where
+/// they exclude one.
 #[cfg(feature = "bevy_gltf")]
 fn with_extras(extras: &ExtrasTag, base: ConvexDecomposition) -> Treatment {
     let body = extras.body.map(|body| match body {

@@ -1,4 +1,5 @@
-//! What users set on an entity, and what is reported about it: the tag, the exclusion, the focus, the priority.
+//! What users set on an entity, and what is reported about it: the tag, the exclusion, the focus,
+//! the priority.
 
 pub(super) mod outcomes;
 pub(super) mod parameters;
@@ -54,25 +55,26 @@ pub struct ConvexDecomposition {
     pub max_vertices: Option<u32>,
     /// Whether cavities that nothing from outside can enter stay empty. Default false.
     pub keep_cavities: bool,
-    /// What becomes of flat openings, the sides that a modeller leaves out. One primitive of a larger glTF
-    /// mesh keeps them: the others close it. Default [`DecompositionOpenings::Auto`].
+    /// What becomes of flat openings, the sides that a modeller leaves out. One primitive of a
+    /// larger glTF mesh keeps them: the others close it. Default [`DecompositionOpenings::Auto`].
     pub openings: DecompositionOpenings,
-    /// Half the thickness of the thinnest thing that moves, in metres of the world; positive. Hulls may fill what no
-    /// ball of that radius can reach: fewer hulls. Not with cavities that are kept. `None` for what
-    /// [`HullwrightSettings`](crate::HullwrightSettings) says. Default `None`.
+    /// Half the thickness of the thinnest thing that moves, in metres of the world; positive. Hulls
+    /// may fill what no ball of that radius can reach: fewer hulls. Not with cavities that are
+    /// kept. `None` for what [`HullwrightSettings`](crate::HullwrightSettings) says. Default
+    /// `None`.
     pub probe_radius: Option<f32>,
     /// What the collider is made of. Default [`DecompositionShape::Auto`].
     pub shape: DecompositionShape,
     /// Mass per cubed unit of the world; positive. Default 1.
     pub density: f32,
-    /// The mass of the whole collider in the world, whatever its scale, instead of the density; positive.
-    /// Default `None`.
+    /// The mass of the whole collider in the world, whatever its scale, instead of the density;
+    /// positive. Default `None`.
     pub mass: Option<f32>,
     /// The collider until the entity's own is ready; `None` for what
     /// [`HullwrightSettings`](crate::HullwrightSettings) says.
     pub fallback_collider: Option<FallbackCollider>,
-    /// The library's own parameters, or another of its methods with its parameters, instead of all settings of
-    /// the decomposition. Not in scenes, since they are not reflected. Default `None`.
+    /// The library's own parameters, or another of its methods with its parameters, instead of all
+    /// settings of the decomposition. Not in scenes, since they are not reflected. Default `None`.
     #[reflect(ignore)]
     #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Option::is_none"))]
     pub parameters: Option<Method>,
@@ -112,16 +114,16 @@ impl From<f32> for MaxError {
 #[type_path = "hullwright"]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum DecompositionShape {
-    /// Hulls. The triangles where nothing moves: on a fixed body, and without any body, unless it is a
-    /// sensor: triangles have no inside.
+    /// Hulls. The triangles where nothing moves: on a fixed body, and without any body, unless it
+    /// is a sensor: triangles have no inside.
     /// [`HullwrightSettings::exact_static_colliders`](crate::HullwrightSettings::exact_static_colliders)
     /// switches that off.
     #[default]
     Auto,
     /// Hulls, also where nothing moves.
     Hulls,
-    /// The triangles, with internal edges fixed, whatever moves. On a body that moves they weigh nothing, and
-    /// what gets inside stays there.
+    /// The triangles, with internal edges fixed, whatever moves. On a body that moves they weigh
+    /// nothing, and what gets inside stays there.
     Triangles,
     /// One hull around everything, whatever the bound.
     ConvexHull,
@@ -188,7 +190,8 @@ setters! { ConvexDecomposition:
     with_keep_cavities(keep_cavities: bool) = keep_cavities;
     /// The same with openings that are closed or kept.
     with_openings(openings: DecompositionOpenings) = openings;
-    /// The same with the radius of what moves, in metres of the world; `None` for that of the settings.
+    /// The same with the radius of what moves, in metres of the world; `None` for that of the
+    /// settings.
     with_probe_radius(probe_radius: impl Into<Option<f32>>) = probe_radius.into();
     /// The same made of something else.
     with_shape(shape: DecompositionShape) = shape;
@@ -198,8 +201,9 @@ setters! { ConvexDecomposition:
     with_density(density: f32) = density;
     /// The same with another collider until its own is ready.
     with_fallback_collider(fallback_collider: FallbackCollider) = Some(fallback_collider);
-    /// The same with the library's own parameters, or another of its methods with its parameters, which replace
-    /// all settings of the decomposition: `.with_parameters(SurfaceParameters::paper())`.
+    /// The same with the library's own parameters, or another of its methods with its parameters,
+    /// which replace all settings of the decomposition:
+    /// `.with_parameters(SurfaceParameters::paper())`.
     with_parameters(parameters: impl Into<Method>) = Some(parameters.into());
 }
 

@@ -1,4 +1,5 @@
-//! What is reported about an entity: its status, the counters, the log, and the one event in which its tag ends.
+//! What is reported about an entity: its status, the counters, the log, and the one event in which
+//! its tag ends.
 
 use std::time::Duration;
 
@@ -42,8 +43,9 @@ impl DecompositionStatus {
         !matches!(self, Self::Waiting(_) | Self::Running { .. })
     }
 
-    /// Whether the entity has a collider, whatever it is made of; `None` while it waits or its collider is made, when
-    /// it may have an earlier one or a [`FallbackCollider`](crate::FallbackCollider).
+    /// Whether the entity has a collider, whatever it is made of; `None` while it waits or its
+    /// collider is made, when it may have an earlier one or a
+    /// [`FallbackCollider`](crate::FallbackCollider).
     pub fn has_collider(&self) -> Option<bool> {
         match self {
             Self::Waiting(_) | Self::Running { .. } => None,
@@ -91,7 +93,8 @@ pub enum SkipReason {
     NoBody,
     /// The tag requests for the triangle mesh.
     TrianglesRequested,
-    /// It is hidden, and [`hidden`](crate::SkipSettings::hidden) is set. It starts when it is shown.
+    /// It is hidden, and [`hidden`](crate::SkipSettings::hidden) is set. It starts when it is
+    /// shown.
     Hidden,
     /// It is smaller than [`min_size`](crate::SkipSettings::min_size).
     TooSmall,
@@ -256,8 +259,9 @@ impl From<Error> for DecompositionError {
     }
 }
 
-// Every tag ends in exactly one of these two events, and in exactly one of the finer four: ready, skipped, failed or
-// cancelled. What changes later, such as the mesh or the scale, starts anew and ends in one of each again.
+// Every tag ends in exactly one of these two events, and in exactly one of the finer four: ready,
+// skipped, failed or cancelled. What changes later, such as the mesh or the scale, starts anew and
+// ends in one of each again.
 
 /// The entity has a collider, whatever it is made of. Also after a changed scale or mesh.
 ///
@@ -337,7 +341,8 @@ pub struct DecompositionReady {
     pub entity: Entity,
     /// Hulls of the collider, at least 1.
     pub hulls: usize,
-    /// How far hulls and mesh are apart at most; `None` where nothing was verified, as by the paper's method.
+    /// How far hulls and mesh are apart at most; `None` where nothing was verified, as by the
+    /// paper's method.
     pub verified: Option<VerifiedDistances>,
     /// Where the hulls came from.
     pub source: HullSource,
@@ -345,7 +350,8 @@ pub struct DecompositionReady {
     pub time: Duration,
 }
 
-/// How far hulls and mesh are apart at most, as verified, as shares of the mesh's diagonal before scale.
+/// How far hulls and mesh are apart at most, as verified, as shares of the mesh's diagonal before
+/// scale.
 #[derive(Reflect, Debug, Clone, Copy, PartialEq)]
 #[reflect(Debug, Clone, PartialEq)]
 #[type_path = "hullwright"]
@@ -363,7 +369,8 @@ impl VerifiedDistances {
     }
 }
 
-/// No decomposition was made. `reason` says whether the entity has the collider that it had, its triangles, or none.
+/// No decomposition was made. `reason` says whether the entity has the collider that it had, its
+/// triangles, or none.
 #[derive(EntityEvent, Reflect, Debug, Clone, PartialEq)]
 #[reflect(Debug, Clone, PartialEq)]
 #[type_path = "hullwright"]
@@ -385,8 +392,8 @@ pub struct DecompositionFailed {
     pub error: DecompositionError,
 }
 
-/// The tag was removed, or the entity despawned, before the collider was ready. A despawned entity is
-/// gone when observers run.
+/// The tag was removed, or the entity despawned, before the collider was ready. A despawned entity
+/// is gone when observers run.
 #[derive(EntityEvent, Reflect, Debug, Clone, PartialEq)]
 #[reflect(Debug, Clone, PartialEq)]
 #[type_path = "hullwright"]

@@ -31,7 +31,8 @@ pub(crate) enum Goal {
 }
 
 impl Goal {
-    /// What a tag asks for, if it gets no triangles. Where it says nothing of a probe, `probe_radius` holds.
+    /// What a tag asks for, if it gets no triangles. Where it says nothing of a probe,
+    /// `probe_radius` holds.
     pub(crate) fn of(tag: &ConvexDecomposition, probe_radius: Option<f32>) -> Self {
         let mut goal = Self::of_tag(tag);
         if let (Self::Hulls(Method::Bounded(parameters)), None) = (&mut goal, &tag.parameters)

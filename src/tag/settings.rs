@@ -26,27 +26,30 @@ pub struct HullwrightSettings {
     /// Default: none.
     pub fallback_collider: FallbackCollider,
     /// Whether a dynamic body is frozen until its colliders are ready, so that it does not fall
-    /// through the floor. Its components stay as they are: it is Rapier's own body that is held. Default true.
+    /// through the floor. Its components stay as they are: it is Rapier's own body that is held.
+    /// Default true.
     pub freeze_until_ready: bool,
-    /// An entity that has waited for this long for a mesh is logged, once: most likely nobody will give
-    /// it one. `None` for never. Default 5 s.
+    /// An entity that has waited for this long for a mesh is logged, once: most likely nobody will
+    /// give it one. `None` for never. Default 5 s.
     pub warn_without_mesh_after: Option<Duration>,
-    /// Whether what never moves, on fixed bodies and without a body, gets its exact triangle mesh instead
-    /// of hulls: nothing is gained by hulls there. Sensors get hulls, since triangles have no inside.
-    /// [`ConvexDecomposition::shape`](crate::ConvexDecomposition::shape) decides for one entity. Default
-    /// true.
+    /// Whether what never moves, on fixed bodies and without a body, gets its exact triangle mesh
+    /// instead of hulls: nothing is gained by hulls there. Sensors get hulls, since triangles have
+    /// no inside. [`ConvexDecomposition::shape`](crate::ConvexDecomposition::shape) decides for one
+    /// entity. Default true.
     pub exact_static_colliders: bool,
-    /// Whether hulls that are boxes, balls or capsules within what the verified distances leave of the bound become
-    /// these: see [`shape_with_primitives`](hullwright_rapier::shape_with_primitives). For colliders that are made
-    /// from then on, and not those whose scale differs along the axes. Default false.
+    /// Whether hulls that are boxes, balls or capsules within what the verified distances leave of
+    /// the bound become these: see
+    /// [`shape_with_primitives`](hullwright_rapier::shape_with_primitives). For colliders that are
+    /// made from then on, and not those whose scale differs along the axes. Default false.
     pub primitives: bool,
-    /// Half the thickness of the thinnest thing that moves, in metres of the world; positive. Hulls may fill what no
-    /// ball of that radius can reach: fewer hulls. For tags that say nothing else and keep no cavities. `None` for gaps
-    /// that stay open whatever moves. Default `None`.
+    /// Half the thickness of the thinnest thing that moves, in metres of the world; positive. Hulls
+    /// may fill what no ball of that radius can reach: fewer hulls. For tags that say nothing else
+    /// and keep no cavities. `None` for gaps that stay open whatever moves. Default `None`.
     pub probe_radius: Option<f32>,
-    /// Whether new worlds of Rapier get a [`ContactDispatcher`](hullwright_rapier::ContactDispatcher), without
-    /// which small things sink into each other. It concerns all colliders of the world. Set it to `false`
-    /// if a world has a dispatcher of its own. Default `true`.
+    /// Whether new worlds of Rapier get a
+    /// [`ContactDispatcher`](hullwright_rapier::ContactDispatcher), without which small things sink
+    /// into each other. It concerns all colliders of the world. Set it to `false` if a world has a
+    /// dispatcher of its own. Default `true`.
     pub contact_dispatcher: bool,
     /// A collider is made anew once its scale, or a part of its input, has not moved for this long;
     /// hulls follow a scale meanwhile. Default 0.1 s.
@@ -64,21 +67,23 @@ pub struct HullwrightSettings {
 #[reflect(Default, Clone, PartialEq)]
 #[type_path = "hullwright"]
 pub struct BudgetSettings {
-    /// Where the work is done. Default: in the background where there are threads, and in workers in a browser.
+    /// Where the work is done. Default: in the background where there are threads, and in workers
+    /// in a browser.
     pub execution: Execution,
-    /// The address of the folder with the files for workers, relative to the page: `worker-core.js` and
-    /// `hullwright-core.wasm` of the npm package. Read when the first mesh is decomposed in one. Default `hullwright`.
+    /// The address of the folder with the files for workers, relative to the page: `worker-core.js`
+    /// and `hullwright-core.wasm` of the npm package. Read when the first mesh is decomposed in
+    /// one. Default `hullwright`.
     pub worker_folder: String,
-    /// Threads of the plugin's own for work in the background, or workers; 0 for half of the processor's, from 1 to 4. One
-    /// more thread is for what takes no decomposition. They have a lower priority than the game's where the platform has that.
-    /// Default 0.
+    /// Threads of the plugin's own for work in the background, or workers; 0 for half of the
+    /// processor's, from 1 to 4. One more thread is for what takes no decomposition. They have a
+    /// lower priority than the game's where the platform has that. Default 0.
     pub threads: usize,
-    /// Most decompositions at once; 0 for one for each of the threads, and in workers never more than these. What takes none
-    /// does not count. Default 0.
+    /// Most decompositions at once; 0 for one for each of the threads, and in workers never more
+    /// than these. What takes none does not count. Default 0.
     pub max_jobs: usize,
     /// Time per frame that the plugin's systems may spend on reading meshes and attaching
-    /// colliders, and in slices on all work. One of each goes through even if it takes longer. Default 1 ms, and 4 ms
-    /// where there are no threads.
+    /// colliders, and in slices on all work. One of each goes through even if it takes longer.
+    /// Default 1 ms, and 4 ms where there are no threads.
     pub frame_time: Duration,
     /// Most colliders attached per frame: what Bevy and Rapier do with them comes on top of the
     /// budget. Default 64.
@@ -92,8 +97,9 @@ pub struct BudgetSettings {
 pub struct CacheSettings {
     /// Size of the cache in memory, in bytes; 0 for none. Default 64 MiB.
     pub memory_bytes: usize,
-    /// Directory of a cache on disk, made if need be. In a browser a database in IndexedDB, the first that is named while
-    /// the page is open. `None` for none, the default. Several processes may share it.
+    /// Directory of a cache on disk, made if need be. In a browser a database in IndexedDB, the
+    /// first that is named while the page is open. `None` for none, the default. Several processes
+    /// may share it.
     pub disk: Option<PathBuf>,
     /// Size of the cache on disk, in bytes: the files that were used least recently are removed. It
     /// may be larger by a sixteenth for a while. Default 256 MiB.
@@ -112,9 +118,9 @@ pub struct SkipSettings {
     /// [`SkipReason::Hidden`](crate::SkipReason::Hidden). With the feature `bevy_gltf` only.
     /// Default false.
     pub hidden: bool,
-    /// What is farther than this from every [`DecompositionFocus`](crate::DecompositionFocus)
-    /// gets no collider until it is near: [`SkipReason::TooFar`](crate::SkipReason::TooFar).
-    /// Dynamic bodies are frozen until then. Without a focus nothing is far. Default `None`: nothing is.
+    /// What is farther than this from every [`DecompositionFocus`](crate::DecompositionFocus) gets
+    /// no collider until it is near: [`SkipReason::TooFar`](crate::SkipReason::TooFar). Dynamic
+    /// bodies are frozen until then. Without a focus nothing is far. Default `None`: nothing is.
     pub focus_radius: Option<f32>,
     /// Whether a collider is dropped when it is farther than 1.25 times
     /// [`focus_radius`](Self::focus_radius); its hulls stay in the cache. Default false.
@@ -147,9 +153,9 @@ pub enum Execution {
     /// take longer than its budget.
     Slices,
     /// In a browser: decompositions in Web Workers, which run the module of the npm package from
-    /// [`BudgetSettings::worker_folder`], all else in slices. A panic ends a worker, not the game. Without the files, for
-    /// the paper's method, and in wasm outside a browser as [`Slices`](Self::Slices); elsewhere as
-    /// [`Background`](Self::Background).
+    /// [`BudgetSettings::worker_folder`], all else in slices. A panic ends a worker, not the game.
+    /// Without the files, for the paper's method, and in wasm outside a browser as
+    /// [`Slices`](Self::Slices); elsewhere as [`Background`](Self::Background).
     Worker,
 }
 

@@ -38,7 +38,8 @@ pub fn file_of(nodes: Vec<Value>, roots: Vec<usize>) -> String {
     gltf_file(&[positions, (indices, INTEGER, "SCALAR")], file)
 }
 
-/// An app in which such a file is loaded below a root with a dynamic body, and all its colliders are ready.
+/// An app in which such a file is loaded below a root with a dynamic body, and all its colliders
+/// are ready.
 pub fn app_with_nodes(
     nodes: &[(&str, Option<&str>)],
     hierarchy: ConvexDecompositionHierarchy,
@@ -66,7 +67,8 @@ pub fn app_with_nodes(
     (app, directory)
 }
 
-/// An app that has loaded such a file below an entity with these components, once all tags have ended.
+/// An app that has loaded such a file below an entity with these components, once all tags have
+/// ended.
 pub fn app_with_file(file: String, root: impl Bundle) -> (App, tempfile::TempDir) {
     let directory = tempfile::tempdir().unwrap();
     std::fs::write(directory.path().join("it.gltf"), file).unwrap();

@@ -1,4 +1,5 @@
-//! Scenes from baked files: meshes are found by their content, and what is not there is decomposed and told.
+//! Scenes from baked files: meshes are found by their content, and what is not there is decomposed
+//! and told.
 
 use std::path::{Path, PathBuf};
 
@@ -145,8 +146,8 @@ fn a_damaged_or_older_kind_of_file_is_told_and_all_is_decomposed() {
     assert!(Log::lines_with("could not be loaded").len() >= 2);
 }
 
-/// Loads the scene of a place with its baked hulls, all its meshes for the GPU only. It is tagged at once, or when their
-/// data is gone.
+/// Loads the scene of a place with its baked hulls, all its meshes for the GPU only. It is tagged
+/// at once, or when their data is gone.
 fn load_for_gpu_only(place: &tempfile::TempDir, body: RigidBody, is_late: bool) -> (App, Entity) {
     let mut app = app_with_gltf(place.path().display().to_string(), |app| {
         app.add_systems(Last, take_gpu_data);

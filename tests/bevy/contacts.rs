@@ -1,4 +1,5 @@
-//! A tagged mesh becomes a body that falls, touches and rests as its shape says, small things as large ones.
+//! A tagged mesh becomes a body that falls, touches and rests as its shape says, small things as
+//! large ones.
 
 use bevy::prelude::*;
 use bevy_hullwright::{DecompositionStatus, HullSource};

@@ -1,5 +1,6 @@
-//! One answer to "is the collider there?": events, status, counters, the hierarchy's report and the collider itself
-//! agree, however a tag ends. No collider of another mesh or size stays behind an ending that says there is none.
+//! One answer to "is the collider there?": events, status, counters, the hierarchy's report and the
+//! collider itself agree, however a tag ends. No collider of another mesh or size stays behind an
+//! ending that says there is none.
 
 use bevy::mesh::Indices;
 use bevy::prelude::*;

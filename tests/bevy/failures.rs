@@ -1,4 +1,5 @@
-//! Every tag ends in exactly one event, and the log says whose tag it was. Failures recover where they can.
+//! Every tag ends in exactly one event, and the log says whose tag it was. Failures recover where
+//! they can.
 
 use std::time::Duration;
 

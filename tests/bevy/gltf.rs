@@ -144,7 +144,8 @@ fn an_artists_tags_are_followed_and_nothing_else_is_decomposed() {
         assert_eq!(*visibility == Visibility::Hidden, pieces.contains(&name), "{name}");
     }
 
-    // The pieces are one hull each, and nothing is decomposed for them; the mug and the lamp are concave.
+    // The pieces are one hull each, and nothing is decomposed for them; the mug and the lamp are
+    // concave.
     assert_eq!(counters(&app).decomposed, 2);
     let ready = ready(&app).to_vec();
     for (entity, hulls) in ready {
@@ -210,7 +211,8 @@ const BYTE: u32 = 5121;
 const SHORT: u32 = 5123;
 pub const INTEGER: u32 = 5125;
 
-/// A file of these nodes, meshes and skins, whose accessors are given by bytes, type of number and type.
+/// A file of these nodes, meshes and skins, whose accessors are given by bytes, type of number and
+/// type.
 pub fn gltf_file(accessors: &[(Vec<u8>, u32, &str)], mut file: Value) -> String {
     let (mut bytes, mut views, mut written) = (Vec::new(), Vec::new(), Vec::new());
     for (index, (part, number, kind)) in accessors.iter().enumerate() {

@@ -565,7 +565,8 @@ fn foreign_files_in_the_cache_stay_as_they_are() {
 #[test]
 fn a_cache_that_can_not_be_written_does_no_harm() {
     let folder = tempfile::tempdir().unwrap();
-    // A file where the folder should be: fails for every user, also for one whom permissions don't stop.
+    // A file where the folder should be: fails for every user, also for one whom permissions don't
+    // stop.
     let blocked = folder.path().join("file");
     std::fs::write(&blocked, "").unwrap();
     for directory in [blocked.clone(), blocked.join("below")] {

@@ -1,4 +1,5 @@
-//! What the Bevy plugin promises, without a window: `MinimalPlugins`, assets, Rapier and the plugin.
+//! What the Bevy plugin promises, without a window: `MinimalPlugins`, assets, Rapier and the
+//! plugin.
 
 mod app;
 #[cfg(feature = "bevy_gltf")]

@@ -1,4 +1,5 @@
-//! Pieces of colliders that an artist made belong to their mesh and move with its body, beside it or below it.
+//! Pieces of colliders that an artist made belong to their mesh and move with its body, beside it
+//! or below it.
 
 use bevy::prelude::*;
 use bevy_hullwright::ColliderPieces;
@@ -19,7 +20,8 @@ fn piece(name: &str, at: [f32; 3]) -> Value {
 
 const DYNAMIC: &str = "dynamic";
 
-/// A chair that is a body with a piece, which is below it or beside it, at the same place in the world.
+/// A chair that is a body with a piece, which is below it or beside it, at the same place in the
+/// world.
 fn app_with_chair(is_below: bool) -> (App, tempfile::TempDir) {
     let mut chair = chair(json!({"collider": "convex_decomposition", "body": DYNAMIC}));
     let (place, roots) = match is_below {

@@ -1,4 +1,5 @@
-//! Whole scenes: a default, names, exclusions, suffixes and extras; how far they are, and the one event at their end.
+//! Whole scenes: a default, names, exclusions, suffixes and extras; how far they are, and the one
+//! event at their end.
 
 use bevy::ecs::system::RunSystemOnce;
 use bevy::prelude::*;

@@ -1,5 +1,5 @@
-//! Components that Skein's form in Blender writes into glTF extras, in exactly its shape, and inserted as
-//! its plugin does.
+//! Components that Skein's form in Blender writes into glTF extras, in exactly its shape, and
+//! inserted as its plugin does.
 
 use bevy::ecs::reflect::ReflectCommandExt;
 use bevy::gltf::GltfExtras;
@@ -20,7 +20,8 @@ struct Loot {
     weights: Vec<f32>,
 }
 
-/// What bevy_skein does when extras come: each entry of the list `skein` is one component by its type path.
+/// What bevy_skein does when extras come: each entry of the list `skein` is one component by its
+/// type path.
 fn insert_components(
     added: On<Add<GltfExtras>>,
     extras: Query<&GltfExtras>,
@@ -35,8 +36,8 @@ fn insert_components(
     }
 }
 
-/// As the form writes a tag: every field, numbers in single precision, `None` as null, enums by their
-/// variant.
+/// As the form writes a tag: every field, numbers in single precision, `None` as null, enums by
+/// their variant.
 const TAG: &str = r#"{"hullwright::ConvexDecomposition": {
     "max_error": {"Share": 0.009999999776482582},
     "preset": "Fast",

@@ -1,4 +1,5 @@
-//! What is skipped on request, each with its counter, and what never moves, which gets its triangles.
+//! What is skipped on request, each with its counter, and what never moves, which gets its
+//! triangles.
 
 use std::time::Duration;
 

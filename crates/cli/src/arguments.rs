@@ -45,7 +45,8 @@ pub struct SolidArguments {
     #[arg(long, value_name = "WHICH")]
     openings: Option<Openings>,
 
-    /// The bound that hulls are made with, 2% (default) or 0.02m: an opening counts as flat within it
+    /// The bound that hulls are made with, 2% (default) or 0.02m: an opening counts as flat within
+    /// it
     #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
     max_error: Option<Length>,
 
@@ -172,8 +173,8 @@ struct SurfaceArguments {
     significant_diagonal: Option<f64>,
 }
 
-/// A limit on hulls or vertices: `None` where there is none. (A plain `Option` would mean to clap that the
-/// argument may be missing.)
+/// A limit on hulls or vertices: `None` where there is none. (A plain `Option` would mean to clap
+/// that the argument may be missing.)
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Limit(Option<usize>);
 
@@ -238,7 +239,8 @@ impl ParameterArguments {
         }
     }
 
-    /// The options that were given, each with the methods that have it. All have a limit on vertices.
+    /// The options that were given, each with the methods that have it. All have a limit on
+    /// vertices.
     fn given(&self) -> Vec<(&'static str, &'static [&'static str])> {
         let of_surface = &self.surface;
         let solid = [

@@ -30,12 +30,13 @@ pub struct Arguments {
     #[arg(help = format!("The scenes: {}, or folders", Format::suffix_list()), required = true, value_name = "SCENE")]
     scenes: Vec<PathBuf>,
 
-    /// The directory that gets the files; it is made if it does not exist. Default: beside each scene
+    /// The directory that gets the files; it is made if it does not exist. Default: beside each
+    /// scene
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
 
-    /// A .hulls file for each mesh, named after it, instead of one file per scene. Names and extras are
-    /// ignored
+    /// A .hulls file for each mesh, named after it, instead of one file per scene. Names and extras
+    /// are ignored
     #[arg(long)]
     per_mesh: bool,
 
@@ -43,8 +44,8 @@ pub struct Arguments {
     #[arg(long, conflicts_with = "per_mesh")]
     tagged_only: bool,
 
-    /// Also triangles of meshes, for what never moves. The plugin takes them from the file where a mesh is on the
-    /// GPU only
+    /// Also triangles of meshes, for what never moves. The plugin takes them from the file where a
+    /// mesh is on the GPU only
     #[arg(long, conflicts_with = "per_mesh")]
     triangles: bool,
 
@@ -104,7 +105,8 @@ impl Results {
         result.map_err(|reason| self.failures.push(reason)).ok()
     }
 
-    /// Lines to standard output, then failures: all but the last here, the last as the program's own error.
+    /// Lines to standard output, then failures: all but the last here, the last as the program's
+    /// own error.
     fn report(mut self) -> Result<(), Failure> {
         if !self.lines.is_empty() {
             print(&self.lines.join("\n"))?;
@@ -134,8 +136,8 @@ fn add_folder(folder: &Path, below: &Path, inputs: &mut Vec<InputFile>) -> Resul
     Ok(())
 }
 
-/// Where a file made of an input goes: beside it, or into the directory that was named, where folders
-/// keep their structure.
+/// Where a file made of an input goes: beside it, or into the directory that was named, where
+/// folders keep their structure.
 fn output_of(arguments: &Arguments, input: &InputFile, name: &str) -> PathBuf {
     match &arguments.output {
         Some(directory) => directory.join(&input.below).join(name),

@@ -1,5 +1,5 @@
-//! What the command `hullwright` and the laboratory share: [printing](terminal), [pages](viewer) that show a mesh and its
-//! hulls in a browser, and [pictures](render) of them.
+//! What the command `hullwright` and the laboratory share: [printing](terminal), [pages](viewer)
+//! that show a mesh and its hulls in a browser, and [pictures](render) of them.
 //!
 //! There is no promise of stability beyond the command's: whoever draws from Rust pins the version.
 

@@ -1,7 +1,8 @@
 //! The command line `hullwright`: decomposes meshes into convex hulls, inspects meshes, measures
 //! hulls, and shows both.
 //!
-//! Exit code 0 is success; 1 a refusal, with one line on standard error that says why; 2 wrong usage.
+//! Exit code 0 is success; 1 a refusal, with one line on standard error that says why; 2 wrong
+//! usage.
 
 mod arguments;
 mod bake;

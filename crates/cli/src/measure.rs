@@ -63,8 +63,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     print(&found.to_string())
 }
 
-/// Lengths are in the mesh's units, as in all lines of JSON. A figure that needs a volume is null where the mesh has
-/// none.
+/// Lengths are in the mesh's units, as in all lines of JSON. A figure that needs a volume is null
+/// where the mesh has none.
 fn line(arguments: &Arguments, found: &Measurement) -> Value {
     let length = |share: f64| share * found.diagonal;
     let distances = |of: &Distances| json!({ "mean": length(of.mean), "p99": length(of.p99), "max": length(of.max) });

@@ -1,5 +1,5 @@
-//! A decomposition for people, as tables, and for programs, as one line of JSON; the surface method's search, and the
-//! curve of hulls against error.
+//! A decomposition for people, as tables, and for programs, as one line of JSON; the surface
+//! method's search, and the curve of hulls against error.
 
 use std::path::Path;
 
@@ -161,8 +161,8 @@ fn cost(cost: f64) -> String {
     format!("{cost:.4}")
 }
 
-/// One line of JSON: `docs/command.md` lists its keys. Lengths are in the mesh's units. What belongs to another method
-/// is null.
+/// One line of JSON: `docs/command.md` lists its keys. Lengths are in the mesh's units. What
+/// belongs to another method is null.
 ///
 /// `seconds` is the wall-clock time of the decomposition, without reading and writing.
 pub fn json(

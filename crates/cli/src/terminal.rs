@@ -1,5 +1,5 @@
-//! Text for standard output and standard error, either of which may be closed at any time, and why a program ends with an
-//! error.
+//! Text for standard output and standard error, either of which may be closed at any time, and why
+//! a program ends with an error.
 
 use std::io::{ErrorKind, Write};
 

@@ -27,8 +27,8 @@ pub struct Arguments {
     #[arg(help = mesh_help())]
     mesh: PathBuf,
 
-    /// Write to this file: .html for a page, .png for a picture. Default: a page in the current folder,
-    /// named after the mesh
+    /// Write to this file: .html for a page, .png for a picture. Default: a page in the current
+    /// folder, named after the mesh
     #[arg(short, long, value_name = "PAGE")]
     output: Option<PathBuf>,
 
@@ -40,8 +40,8 @@ pub struct Arguments {
     #[arg(long, value_name = "METHOD", value_parser = parse_method)]
     compare: Vec<Method>,
 
-    /// Show the hulls of any tool too: a .hulls file, or one per object of the file: obj, stl, gltf or
-    /// glb; may be repeated
+    /// Show the hulls of any tool too: a .hulls file, or one per object of the file: obj, stl, gltf
+    /// or glb; may be repeated
     #[arg(long, value_name = "FILE")]
     hulls: Vec<PathBuf>,
 

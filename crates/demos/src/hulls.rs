@@ -17,8 +17,8 @@ const SAME_FACE: f32 = 0.998;
 /// coincide.
 const DEPTH_BIAS: f32 = 120.0;
 
-/// How far over their hull edges are drawn, as a share of their way from its middle: lines can't have a
-/// depth of their own.
+/// How far over their hull edges are drawn, as a share of their way from its middle: lines can't
+/// have a depth of their own.
 const EDGES_ABOVE: f32 = 0.004;
 
 /// A convex part of a collider.
@@ -30,8 +30,8 @@ pub struct Piece {
     pub triangles: Vec<[u32; 3]>,
 }
 
-/// The convex parts of a collider's shape, in order; those that are neither hulls nor boxes are left
-/// out.
+/// The convex parts of a collider's shape, in order; those that are neither hulls nor boxes are
+/// left out.
 pub fn pieces(shape: &SharedShape) -> Vec<Piece> {
     let part = |shape: &SharedShape| match shape.as_typed_shape() {
         TypedShape::ConvexPolyhedron(hull) => Some(hull.to_trimesh()),

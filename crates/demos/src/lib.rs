@@ -1,6 +1,6 @@
-//! What the windows share: plugins, a studio, a camera, hulls drawn over what they stand for, a line
-//! that says what is seen, and `--screenshot FILE`, which writes a picture once all bodies lie still,
-//! and ends; with an error if the picture is empty.
+//! What the windows share: plugins, a studio, a camera, hulls drawn over what they stand for, a
+//! line that says what is seen, and `--screenshot FILE`, which writes a picture once all bodies lie
+//! still, and ends; with an error if the picture is empty.
 
 mod caption;
 pub mod frugal;
@@ -37,22 +37,25 @@ pub const ASSETS: &str = match cfg!(target_family = "wasm") {
     true => "assets",
 };
 
-/// Size of the window, in pixels: what fits on a screen, and into `xvfb-run` with a screen of 1280 by 800.
+/// Size of the window, in pixels: what fits on a screen, and into `xvfb-run` with a screen of 1280
+/// by 800.
 pub const WINDOW: [u32; 2] = [1280, 800];
 
-/// That of a tour, whose pictures are many: all controls fit, and a processor draws it in half the time.
+/// That of a tour, whose pictures are many: all controls fit, and a processor draws it in half the
+/// time.
 const TOUR_WINDOW: [u32; 2] = [960, 720];
 
-/// A frame moves bodies by at most this many seconds, in this many steps: a slow machine shows fewer
-/// pictures of the same fall.
+/// A frame moves bodies by at most this many seconds, in this many steps: a slow machine shows
+/// fewer pictures of the same fall.
 const LONGEST_FRAME: f32 = 1.0 / 20.0;
 const STEPS: usize = 3;
 
-/// Frames for which all must sleep before the picture: hulls that are ready are drawn a little later.
+/// Frames for which all must sleep before the picture: hulls that are ready are drawn a little
+/// later.
 const STILL_FRAMES: usize = 4;
 
-/// Frames after which the picture is taken all the same, and it is said what still moves: a minute and a half
-/// of the fall.
+/// Frames after which the picture is taken all the same, and it is said what still moves: a minute
+/// and a half of the fall.
 const MOST_FRAMES: usize = 450;
 
 /// Nobody sees the fall before the picture: so many frames of it are one.
@@ -76,8 +79,8 @@ pub fn plugins(title: &str) -> PluginGroupBuilder {
         .add(HullwrightDebugPlugin)
 }
 
-/// Steps of Rapier that keep up with slow frames; without a person as many in each frame as in some of the
-/// longest, however long it takes.
+/// Steps of Rapier that keep up with slow frames; without a person as many in each frame as in some
+/// of the longest, however long it takes.
 pub fn timestep(frames: usize) -> TimestepMode {
     match is_without_person() {
         true => TimestepMode::Fixed { dt: LONGEST_FRAME * frames as f32, substeps: STEPS * frames },
@@ -85,9 +88,9 @@ pub fn timestep(frames: usize) -> TimestepMode {
     }
 }
 
-/// How far bodies may move before Rapier computes their contacts anew, in metres, where something hangs. Rapier's own
-/// 5 cm keep the contacts of what rocks on a hook where they were, and push it on: it swings without end. Things that
-/// lie on each other come to rest sooner with these.
+/// How far bodies may move before Rapier computes their contacts anew, in metres, where something
+/// hangs. Rapier's own 5 cm keep the contacts of what rocks on a hook where they were, and push it
+/// on: it swings without end. Things that lie on each other come to rest sooner with these.
 pub const RECYCLED_FOR: f32 = 0.001;
 
 /// A demo: its studio with a floor, its camera, its line of text and its keys.

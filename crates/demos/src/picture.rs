@@ -22,16 +22,17 @@ const PIXEL: usize = 4;
 /// Frames that are drawn before the one that is kept: egui and the shadows need one each to begin.
 const FRAMES_BEFORE: usize = 2;
 
-/// Speeds below which a body falls asleep, in metres and radians per second, and for how long, in seconds.
-/// Rapier's own are so high that a pendulum sleeps askew.
+/// Speeds below which a body falls asleep, in metres and radians per second, and for how long, in
+/// seconds. Rapier's own are so high that a pendulum sleeps askew.
 const LINEAR_SLEEP: f32 = 0.1;
 const ANGULAR_SLEEP: f32 = 0.3;
 const SLEEP_AFTER: f32 = 0.4;
 
 /// Writes pictures, says when one is there, and when nothing is left out of what is drawn.
 ///
-/// Without a person only what goes into pictures is drawn, and bodies stand still meanwhile: without a
-/// graphics card a frame takes a second, and what the pictures show must not depend on that.
+/// Without a person only what goes into pictures is drawn, and bodies stand still meanwhile:
+/// without a graphics card a frame takes a second, and what the pictures show must not depend on
+/// that.
 pub struct PicturePlugin;
 
 impl Plugin for PicturePlugin {
@@ -160,8 +161,8 @@ impl Shaders {
     }
 }
 
-/// A pipeline whose shader misses something waits forever, and nothing that is drawn needs it: when as many
-/// have waited for this long, no more will come.
+/// A pipeline whose shader misses something waits forever, and nothing that is drawn needs it: when
+/// as many have waited for this long, no more will come.
 const LONGEST_WAIT: Duration = Duration::from_secs(5);
 
 fn note_shaders(

@@ -50,9 +50,9 @@ pub struct Places<'w, 's> {
 }
 
 impl Places<'_, '_> {
-    /// From the space of an entity's collider to that of the entity. They differ by more than the scale
-    /// below a body whose parent is scaled: Rapier then puts the collider elsewhere, and the plugin moves
-    /// the points instead.
+    /// From the space of an entity's collider to that of the entity. They differ by more than the
+    /// scale below a body whose parent is scaled: Rapier then puts the collider elsewhere, and the
+    /// plugin moves the points instead.
     fn collider_to_entity(&self, entity: Entity) -> Option<Affine3A> {
         let (handle, context) = self.colliders.get(entity).ok()?;
         let collider = self.contexts.get(context.0).ok()?.colliders.get(handle.0)?;

@@ -13,8 +13,8 @@ const FILL_LIGHT: f32 = 500.0;
 /// Candela per square metre from everywhere.
 const AMBIENT_LIGHT: f32 = 260.0;
 
-/// Pixels along each side of the shadow map. One map is enough for a scene that is seen at once; the
-/// software renderer of a machine without a graphics card draws it in time.
+/// Pixels along each side of the shadow map. One map is enough for a scene that is seen at once;
+/// the software renderer of a machine without a graphics card draws it in time.
 const SHADOW_MAP: usize = 2048;
 
 /// The floor's size, and where it begins and ends to fade, in widths of the scene.

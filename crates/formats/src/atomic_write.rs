@@ -13,7 +13,8 @@ pub(crate) fn directory(path: &Path) -> &Path {
     }
 }
 
-/// Writes a file all or nothing: one that is already there is replaced in one step, or stays as it was.
+/// Writes a file all or nothing: one that is already there is replaced in one step, or stays as it
+/// was.
 ///
 /// # Errors
 /// [`Error::File`] if the directory does not exist, or if writing fails.

@@ -39,7 +39,8 @@ pub struct BakeOptions {
     pub tagged_only: bool,
     /// Whether triangles are baked too, for what never moves. Default false.
     pub triangles: bool,
-    /// Whether names and extras are followed, see [`conventions`](crate::conventions). Default true.
+    /// Whether names and extras are followed, see [`conventions`](crate::conventions). Default
+    /// true.
     pub follows_artists: bool,
 }
 
@@ -89,7 +90,8 @@ pub struct BakeJob {
     pub parameters: Method,
 }
 
-/// What there is to bake of a scene's meshes, each content with its parameters once, in their order.
+/// What there is to bake of a scene's meshes, each content with its parameters once, in their
+/// order.
 ///
 /// A mesh is baked with the parameters of each node that shows it; one that no node shows with
 /// those of its own name and extras, since a game may spawn it.
@@ -138,8 +140,9 @@ pub fn bake_jobs(meshes: Vec<SceneMesh>, options: &BakeOptions) -> Vec<BakeJob> 
     jobs
 }
 
-/// The triangles of the glTF meshes of a scene that may stand still, each content once, if the options say so: not of
-/// what the artist gives hulls, another shape, a body that moves, or no collider. O(size).
+/// The triangles of the glTF meshes of a scene that may stand still, each content once, if the
+/// options say so: not of what the artist gives hulls, another shape, a body that moves, or no
+/// collider. O(size).
 pub fn bake_triangles(meshes: &[SceneMesh], options: &BakeOptions) -> Vec<BakedTriangles> {
     if !options.triangles {
         return Vec::new();
@@ -166,7 +169,8 @@ pub fn bake_triangles(meshes: &[SceneMesh], options: &BakeOptions) -> Vec<BakedT
     baked
 }
 
-/// What is wrong with the extras of a scene's meshes and nodes, each with the name of what has it. O(meshes).
+/// What is wrong with the extras of a scene's meshes and nodes, each with the name of what has it.
+/// O(meshes).
 pub fn extras_complaints(meshes: &[SceneMesh]) -> Vec<String> {
     let of = |name: &str, extras: &Option<String>| -> Vec<String> {
         let wrong = extras.as_deref().map(|text| read_extras(text).1).unwrap_or_default();
@@ -197,8 +201,8 @@ impl BakeJob {
 }
 
 impl BakeOptions {
-    /// What the artist says: nothing, or what a mesh is decomposed with, which is `None` for what gets no hulls of its
-    /// own. The rules are those of the plugin's hierarchy.
+    /// What the artist says: nothing, or what a mesh is decomposed with, which is `None` for what
+    /// gets no hulls of its own. The rules are those of the plugin's hierarchy.
     fn by_artist(
         &self,
         mesh: &SceneMesh,
@@ -246,7 +250,8 @@ enum ArtistTag<'a> {
     Name(NameTag<'a>),
 }
 
-/// By extras, those of the node first, or else by name. [`extras_complaints`] has what is wrong in them.
+/// By extras, those of the node first, or else by name. [`extras_complaints`] has what is wrong in
+/// them.
 fn artist_tag<'a>(mesh: &'a SceneMesh, node: &'a SceneNode) -> Option<ArtistTag<'a>> {
     let mut extras = [&node.extras, &mesh.extras].into_iter().flatten();
     let by_extras = extras.find_map(|text| read_extras(text).0);

@@ -1,9 +1,9 @@
 //! glTF 2.0 and GLB: the triangles of the scene.
 //!
-//! Only what geometry needs is read, each index checked. Typed readers of whole documents refuse files over
-//! animations, cameras or materials, and panic on accessors beyond their buffer. Nodes must form trees; a node that
-//! is reached twice is an error, which also stops cycles. Compressed data is preferred to an uncompressed copy beside
-//! it.
+//! Only what geometry needs is read, each index checked. Typed readers of whole documents refuse
+//! files over animations, cameras or materials, and panic on accessors beyond their buffer. Nodes
+//! must form trees; a node that is reached twice is an error, which also stops cycles. Compressed
+//! data is preferred to an uncompressed copy beside it.
 
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
@@ -46,8 +46,8 @@ pub(super) fn read(bytes: &[u8], beside: Beside<'_>) -> Result<MeshFile, String>
     })
 }
 
-/// Each mesh of the document once, in its own space, whether a scene shows it or not, with its extras and those of
-/// its nodes.
+/// Each mesh of the document once, in its own space, whether a scene shows it or not, with its
+/// extras and those of its nodes.
 pub(super) fn read_scene(bytes: &[u8], beside: Beside<'_>) -> Result<Vec<SceneMesh>, String> {
     let mut told = Vec::new();
     let file = read_with(bytes, beside, |scene| {
@@ -169,7 +169,8 @@ enum Source {
     Draco(DracoStream),
 }
 
-/// The vertices of a mesh that are in the scene already: where the first is, and how many there are.
+/// The vertices of a mesh that are in the scene already: where the first is, and how many there
+/// are.
 type Placed = BTreeMap<Source, (u32, usize)>;
 
 impl Scene<'_> {
@@ -418,8 +419,8 @@ impl Scene<'_> {
 
 /// Skins. What can't be read of them is left out, since the mesh is there without.
 impl Scene<'_> {
-    /// Puts the vertices of a mesh, and turns its triangles from `start`, as its skin's joints say, if they move all of
-    /// it.
+    /// Puts the vertices of a mesh, and turns its triangles from `start`, as its skin's joints say,
+    /// if they move all of it.
     fn apply_skin(
         &mut self,
         (skin, mesh): (usize, usize),
@@ -445,7 +446,8 @@ impl Scene<'_> {
         }
     }
 
-    /// Notes the first skin of a mesh that moves it, since in its own space the mesh stands as it was modelled.
+    /// Notes the first skin of a mesh that moves it, since in its own space the mesh stands as it
+    /// was modelled.
     fn note_skins(&mut self, mesh: usize, nodes: &[(usize, &Json<'_>)]) {
         let skinned = |(index, node): &(usize, &Json<'_>)| {
             Some((*index, optional_number(node, "skin").ok().flatten()?))
@@ -455,8 +457,8 @@ impl Scene<'_> {
         let _ = self.noted_poses((skin, mesh), &transform, NoteKind::IgnoredSkins);
     }
 
-    /// Where a skin puts the primitives of a mesh if it moves all of the mesh, and a note of what it does.
-    /// `move_of_all` is the kind for that.
+    /// Where a skin puts the primitives of a mesh if it moves all of the mesh, and a note of what
+    /// it does. `move_of_all` is the kind for that.
     fn noted_poses(
         &mut self,
         (skin, mesh): (usize, usize),

@@ -1,13 +1,14 @@
-//! The numbers behind a glTF document: buffers (the chunk of a GLB, data URIs, files beside it), views of them,
-//! decompressed where they are compressed, accessors, and Draco streams.
+//! The numbers behind a glTF document: buffers (the chunk of a GLB, data URIs, files beside it),
+//! views of them, decompressed where they are compressed, accessors, and Draco streams.
 //!
-//! - `EXT_meshopt_compression` and `KHR_meshopt_compression`: views that hold streams of meshoptimizer's codecs. The
-//!   first has only version 0 of the vertex codec, and no filter for colours. Both are read in the same way, as the
-//!   library's own decoders do.
-//! - `KHR_draco_mesh_compression`: primitives whose triangles and vertices are a Draco stream, decoded by the crate
-//!   `draco-core`. Its decoder of bitstreams older than 2.2 is left out, since the extension names 2.2 alone, and so
-//!   are point clouds, which no primitive holds. It makes room for as many triangles as a stream announces, so that
-//!   these are limited by what the file's size justifies.
+//! - `EXT_meshopt_compression` and `KHR_meshopt_compression`: views that hold streams of
+//!   meshoptimizer's codecs. The first has only version 0 of the vertex codec, and no filter for
+//!   colours. Both are read in the same way, as the library's own decoders do.
+//! - `KHR_draco_mesh_compression`: primitives whose triangles and vertices are a Draco stream,
+//!   decoded by the crate `draco-core`. Its decoder of bitstreams older than 2.2 is left out, since
+//!   the extension names 2.2 alone, and so are point clouds, which no primitive holds. It makes
+//!   room for as many triangles as a stream announces, so that these are limited by what the file's
+//!   size justifies.
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -64,8 +65,8 @@ impl<'a> From<Option<&'a Path>> for Beside<'a> {
     }
 }
 
-/// What a document refers to, loaded and decompressed when geometry first needs it, so that a missing file with
-/// nothing but images in it does no harm.
+/// What a document refers to, loaded and decompressed when geometry first needs it, so that a
+/// missing file with nothing but images in it does no harm.
 pub(super) struct Data<'a> {
     document: &'a Document<'a>,
     chunk: Option<&'a [u8]>,
@@ -488,8 +489,8 @@ fn decode_data(data: &str) -> Result<(Vec<u8>, bool), String> {
     Ok((bytes.map_err(|error| format!("its base64 data: {error}"))?, true))
 }
 
-/// Whether a decoded URI names a file in the document's folder or below. Others are refused: an uploaded
-/// file could name any file of the machine. Backslashes and drive letters count on every
+/// Whether a decoded URI names a file in the document's folder or below. Others are refused: an
+/// uploaded file could name any file of the machine. Backslashes and drive letters count on every
 /// platform, so that a document is read on all or on none.
 fn stays_beside(name: &str) -> bool {
     !name.contains(':')

@@ -9,8 +9,8 @@ pub(super) const INSTANCING: &str = "EXT_mesh_gpu_instancing";
 /// Those that are read, besides meshoptimizer's.
 const READ: [&str; 4] = ["KHR_mesh_quantization", DRACO, VISIBILITY, INSTANCING];
 
-/// Those that don't change where vertices are: physics, behaviour, animation, metadata, avatars, levels of detail, and
-/// triangles' properties.
+/// Those that don't change where vertices are: physics, behaviour, animation, metadata, avatars,
+/// levels of detail, and triangles' properties.
 const HARMLESS: [&str; 26] = [
     "AGI_stk_metadata",
     "ASOBO_normal_map_convention",
@@ -40,7 +40,8 @@ const HARMLESS: [&str; 26] = [
     "VRM",
 ];
 
-/// The same, by the beginning of their name: materials, textures, lights, cameras, and whole families.
+/// The same, by the beginning of their name: materials, textures, lights, cameras, and whole
+/// families.
 const HARMLESS_FAMILIES: [&str; 19] = [
     "ADOBE_materials_",
     "EXT_camera",

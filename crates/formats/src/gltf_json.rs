@@ -1,7 +1,7 @@
 //! What the keys of a glTF document hold.
 //!
-//! Nothing is refused over what geometry does not need. A key of the wrong kind is an error once geometry needs it, and
-//! says what would be read.
+//! Nothing is refused over what geometry does not need. A key of the wrong kind is an error once
+//! geometry needs it, and says what would be read.
 
 use super::gltf_tree::Json;
 use super::text::quote;

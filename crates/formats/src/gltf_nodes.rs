@@ -110,8 +110,8 @@ pub(super) fn are_children(nodes: &[Json<'_>]) -> Vec<bool> {
     is_child
 }
 
-/// The transforms of all nodes to their scene; `None` where a node is in no tree, or above it one can't be read.
-/// O(nodes).
+/// The transforms of all nodes to their scene; `None` where a node is in no tree, or above it one
+/// can't be read. O(nodes).
 pub(super) fn global_transforms(nodes: &Json<'_>) -> Vec<Option<DAffine3>> {
     let nodes = entries(nodes);
     let roots = are_children(nodes).into_iter().enumerate().filter(|(_, is_child)| !is_child);

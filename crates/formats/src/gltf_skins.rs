@@ -1,9 +1,9 @@
 //! Skins of a glTF scene: where their joints put a mesh at rest.
 //!
-//! A vertex of a skinned mesh stands where its joints are, and the transform of the mesh's own node counts for
-//! nothing. Exporters mostly bind a mesh where it stands, so that both agree but for rounding. An armature with a
-//! scale or a rotation of its own moves all of the mesh. A pose moves limbs; a collider is better made of the mesh as
-//! it was modelled.
+//! A vertex of a skinned mesh stands where its joints are, and the transform of the mesh's own node
+//! counts for nothing. Exporters mostly bind a mesh where it stands, so that both agree but for
+//! rounding. An armature with a scale or a rotation of its own moves all of the mesh. A pose moves
+//! limbs; a collider is better made of the mesh as it was modelled.
 
 use glam::DAffine3;
 
@@ -12,12 +12,12 @@ use super::gltf_nodes::affine;
 use super::gltf_tree::Json;
 use crate::vector::{Vector, diagonal};
 
-/// A skin poses a mesh if it moves a vertex by more than this fraction of the mesh's diagonal: rounding in single
-/// precision moves it by less.
+/// A skin poses a mesh if it moves a vertex by more than this fraction of the mesh's diagonal:
+/// rounding in single precision moves it by less.
 const LEAST_MOVE: f64 = 1e-4;
 
-/// A skin moves all of a mesh if it moves vertices by more than this fraction of the diagonal, on average. Arms that
-/// hang where they were modelled outstretched make half of it.
+/// A skin moves all of a mesh if it moves vertices by more than this fraction of the diagonal, on
+/// average. Arms that hang where they were modelled outstretched make half of it.
 const LEAST_MOVE_OF_ALL: f64 = 0.1;
 
 /// Reads an accessor's vectors, of four numbers and of sixteen.

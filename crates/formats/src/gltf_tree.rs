@@ -1,7 +1,8 @@
 //! The JSON of a glTF document as a tree of the keys that geometry needs.
 //!
-//! All other keys are skipped as they are read, and text stays where it is in the file: a document has mostly keys of
-//! materials, animations and bounds. An object has few keys therefore, whatever the file holds.
+//! All other keys are skipped as they are read, and text stays where it is in the file: a document
+//! has mostly keys of materials, animations and bounds. An object has few keys therefore, whatever
+//! the file holds.
 
 use std::borrow::Cow;
 use std::fmt::{self, Formatter};

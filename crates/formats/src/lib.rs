@@ -1,4 +1,5 @@
-//! Mesh files for [Hullwright](hullwright): read and written, and whole scenes whose hulls are baked.
+//! Mesh files for [Hullwright](hullwright): read and written, and whole scenes whose hulls are
+//! baked.
 //!
 //! ```
 //! use hullwright::{Control, Parameters, decompose};

@@ -122,12 +122,12 @@ pub struct Object {
 /// What a mesh file holds, in its own units, neither welded nor repaired.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct MeshFile {
-    /// All vertices and triangles. A coordinate may be infinite or not a number if it is so in the file;
-    /// each index is below the number of positions.
+    /// All vertices and triangles. A coordinate may be infinite or not a number if it is so in the
+    /// file; each index is below the number of positions.
     pub mesh: TriangleMesh,
     /// The parts that hold triangles, in the file's order, which together hold all triangles: the
-    /// objects of an OBJ (its groups, where it has no object), the solids of an STL, the nodes
-    /// with a mesh of a glTF scene, each of its instances. A file of another format is a single part.
+    /// objects of an OBJ (its groups, where it has no object), the solids of an STL, the nodes with
+    /// a mesh of a glTF scene, each of its instances. A file of another format is a single part.
     pub objects: Vec<Object>,
     /// What was left out or mended, one note for each kind.
     pub notes: Vec<Note>,
@@ -209,7 +209,8 @@ pub(super) fn next_index(positions: &[[f64; 3]], more: usize) -> Result<u32, Str
     }
 }
 
-/// A mesh of a scene, in the space that it was modelled in, with the names and extras that artists gave it.
+/// A mesh of a scene, in the space that it was modelled in, with the names and extras that artists
+/// gave it.
 #[non_exhaustive]
 #[derive(Debug, Clone, PartialEq)]
 pub struct SceneMesh {

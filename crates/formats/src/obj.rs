@@ -92,8 +92,8 @@ fn divide(file: &mut MeshFile, parts: Vec<(String, usize)>) {
     }
 }
 
-/// Lines of vertices and faces may end with a comment, or go on after a backslash. A comment's or a name's backslash
-/// is left alone, since it may end a Windows path.
+/// Lines of vertices and faces may end with a comment, or go on after a backslash. A comment's or a
+/// name's backslash is left alone, since it may end a Windows path.
 fn logical_lines(bytes: &[u8]) -> impl Iterator<Item = (usize, Cow<'_, [u8]>)> {
     let mut lines = lines(bytes);
     std::iter::from_fn(move || {

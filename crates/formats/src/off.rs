@@ -1,8 +1,9 @@
 //! OFF, the Object File Format of Geomview: text, with or without colours and normals.
 //!
-//! The first line may lack the keyword, have it in lower case, or run into the counts (`OFF490 518 0`), as in files
-//! that are around. Vertices and faces are read line by line, since what follows them on their line is not always
-//! announced. Where that fails, numbers may stand on lines as they like, and nothing else may follow them.
+//! The first line may lack the keyword, have it in lower case, or run into the counts (`OFF490 518
+//! 0`), as in files that are around. Vertices and faces are read line by line, since what follows
+//! them on their line is not always announced. Where that fails, numbers may stand on lines as they
+//! like, and nothing else may follow them.
 
 use super::mesh_file::{MeshFile, next_index};
 use super::text::{
@@ -47,8 +48,8 @@ fn read_lines(bytes: &[u8]) -> Result<MeshFile, String> {
     builder.finish()
 }
 
-/// The same, whatever lines the numbers stand on. All of them must be used, without colours of faces, whose number
-/// nothing announces.
+/// The same, whatever lines the numbers stand on. All of them must be used, without colours of
+/// faces, whose number nothing announces.
 fn read_words(bytes: &[u8]) -> Result<MeshFile, String> {
     let mut lines = content(bytes).map(|(_, text)| text);
     let (after_coordinates, mut first) = split_keyword(lines.next().unwrap_or_default())?;
@@ -77,8 +78,8 @@ fn read_words(bytes: &[u8]) -> Result<MeshFile, String> {
     }
 }
 
-/// How many numbers the keyword announces after the coordinates of a vertex, and what follows it in the first line.
-/// Without a keyword that is the whole line.
+/// How many numbers the keyword announces after the coordinates of a vertex, and what follows it in
+/// the first line. Without a keyword that is the whole line.
 fn split_keyword(first: &[u8]) -> Result<(usize, &[u8]), String> {
     if words(first).flatten().all(u8::is_ascii_digit) {
         return Ok((0, first));

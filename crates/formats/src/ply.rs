@@ -1,11 +1,12 @@
 //! PLY: text and binary of both byte orders.
 //!
-//! Read are the element `vertex` with the properties `x`, `y`, `z` of any type, and the elements `face` and `tristrips`
-//! with the list `vertex_indices` or `vertex_index`. A file without them is a point cloud. Where a property is there
-//! twice the first one counts that is of a kind that makes sense.
+//! Read are the element `vertex` with the properties `x`, `y`, `z` of any type, and the elements
+//! `face` and `tristrips` with the list `vertex_indices` or `vertex_index`. A file without them is
+//! a point cloud. Where a property is there twice the first one counts that is of a kind that makes
+//! sense.
 //!
-//! Counts are compared with the file's size before anything is read: an element without properties takes no bytes, so
-//! that a count could cause any amount of work.
+//! Counts are compared with the file's size before anything is read: an element without properties
+//! takes no bytes, so that a count could cause any amount of work.
 
 use super::mesh_file::{MeshFile, next_index};
 use super::notes::NoteKind;
@@ -123,7 +124,8 @@ fn roles(element: &Element) -> Vec<Role> {
     roles
 }
 
-/// The part of an element that makes the mesh: a vertex's position, or the corners of a face or of strips.
+/// The part of an element that makes the mesh: a vertex's position, or the corners of a face or of
+/// strips.
 #[derive(Default)]
 struct Values {
     position: [f64; 3],

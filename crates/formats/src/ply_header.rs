@@ -1,7 +1,8 @@
-//! The header of a PLY file: its encoding, and its elements with their properties, in the file's order.
+//! The header of a PLY file: its encoding, and its elements with their properties, in the file's
+//! order.
 //!
-//! Lines may end with CR alone, be indented or be empty. A name that stands twice stays twice, since the data of both
-//! follow.
+//! Lines may end with CR alone, be indented or be empty. A name that stands twice stays twice,
+//! since the data of both follow.
 
 use std::collections::HashSet;
 
@@ -119,8 +120,8 @@ impl Header {
     }
 }
 
-/// Trimmed lines with their numbers. What ends the first line ends all of them, so that no byte of the data after a CR
-/// is taken for the LF of a line's end.
+/// Trimmed lines with their numbers. What ends the first line ends all of them, so that no byte of
+/// the data after a CR is taken for the LF of a line's end.
 struct HeaderLines<'a> {
     rest: &'a [u8],
     end: u8,

@@ -10,14 +10,14 @@
 //! | OFF | `off`, since the crate `off-rs` holds `f32` and reads one form of header |
 //! | STL | `stl`, since the crate `stl_io` holds `f32`, drops all solids but the first, and goes by the first word alone |
 //!
-//! All readers keep three promises on any input: no panic, no allocation beyond what the
-//! file's size justifies, whatever its counts are, and errors of one line with what was found, where, and what would
-//! be read. What they leave out or mend stands in [`MeshFile::notes`]. Text may be UTF-8, UTF-16 with its mark, or any
-//! encoding that has ASCII as it is.
-//! Coordinates that are written as text keep their full `f64` precision, and `nan` and `inf` are
-//! let through, since repair counts and drops them. Points and lines are left out. Polygons,
-//! concave ones too, are triangulated by ear clipping and Delaunay refinement (crate `earcut`);
-//! those without an inside become fans.
+//! All readers keep three promises on any input: no panic, no allocation beyond what the file's
+//! size justifies, whatever its counts are, and errors of one line with what was found, where, and
+//! what would be read. What they leave out or mend stands in [`MeshFile::notes`]. Text may be
+//! UTF-8, UTF-16 with its mark, or any encoding that has ASCII as it is. Coordinates that are
+//! written as text keep their full `f64` precision, and `nan` and `inf` are let through, since
+//! repair counts and drops them. Points and lines are left out. Polygons, concave ones too, are
+//! triangulated by ear clipping and Delaunay refinement (crate `earcut`); those without an inside
+//! become fans.
 
 use std::borrow::Cow;
 use std::path::Path;
@@ -33,9 +33,9 @@ use crate::{gltf, mesh_file, obj, off, ply, stl};
 ///
 /// Of a glTF file all meshes of the default scene are read (of all scenes where none is the
 /// default, of all nodes where there is no scene) with the nodes' transforms applied, without nodes
-/// that `KHR_node_visibility` hides, and with all instances of `EXT_mesh_gpu_instancing`. A skin is applied where its
-/// joints move or scale the mesh at rest; morph targets are not. Geometry may be quantised
-/// (`KHR_mesh_quantization`) and compressed (`KHR_draco_mesh_compression`,
+/// that `KHR_node_visibility` hides, and with all instances of `EXT_mesh_gpu_instancing`. A skin is
+/// applied where its joints move or scale the mesh at rest; morph targets are not. Geometry may be
+/// quantised (`KHR_mesh_quantization`) and compressed (`KHR_draco_mesh_compression`,
 /// `EXT_meshopt_compression`, `KHR_meshopt_compression`).
 ///
 /// A glTF file may name other files beside it. Of files that strangers send, hand over the bytes:
@@ -77,8 +77,8 @@ pub fn read_mesh_from_bytes(format: Format, bytes: &[u8]) -> Result<MeshFile, Er
     parse(format, bytes, Beside::Nothing).map_err(|reason| in_memory(format, reason))
 }
 
-/// The same for a file that names others: `files` finds them by their paths, relative to the file, without escapes. Only
-/// buffers of glTF are looked up, and no path that leaves the file's folder.
+/// The same for a file that names others: `files` finds them by their paths, relative to the file,
+/// without escapes. Only buffers of glTF are looked up, and no path that leaves the file's folder.
 ///
 /// # Errors
 /// As [`read_mesh`], also for a buffer that `files` does not find.
@@ -122,8 +122,8 @@ pub fn read_own_meshes(path: impl AsRef<Path>) -> Result<Vec<NamedMesh>, Error> 
     Ok(meshes.map(|SceneMesh { name, mesh, .. }| NamedMesh { name, mesh }).collect())
 }
 
-/// Text as UTF-8, without the mark that some editors put before it, which would hide the first line. What has no mark
-/// of UTF-16 is left as it is.
+/// Text as UTF-8, without the mark that some editors put before it, which would hide the first
+/// line. What has no mark of UTF-16 is left as it is.
 fn decoded(bytes: &[u8]) -> Cow<'_, [u8]> {
     let utf_16 = |from_bytes: fn([u8; 2]) -> u16| {
         let (pairs, _) = bytes.as_chunks::<2>();
@@ -165,8 +165,8 @@ fn stand_in(bytes: &[u8]) -> Option<&'static str> {
 }
 
 /// Reads a set of hulls: each object of a mesh file is one, see [`MeshFile::objects`]; a
-/// [`.hulls`](hullwright::hulls_format) file holds just them. Each becomes a [`Hull`](hullwright::Hull) by
-/// `Hull::from(convex_hull(&named.mesh.positions)?)`.
+/// [`.hulls`](hullwright::hulls_format) file holds just them. Each becomes a
+/// [`Hull`](hullwright::Hull) by `Hull::from(convex_hull(&named.mesh.positions)?)`.
 ///
 /// # Errors
 /// As [`read_mesh`], and if there is no triangle in the file.
@@ -198,8 +198,8 @@ fn read_hulls_file(path: &Path) -> Result<Vec<NamedMesh>, Error> {
 
 /// Reads the meshes of a scene one by one, each in the space that it was modelled in.
 ///
-/// Of a glTF file, each mesh that holds triangles, whether a node shows it or not. A file of another
-/// format is one mesh, named after the file, that no node shows.
+/// Of a glTF file, each mesh that holds triangles, whether a node shows it or not. A file of
+/// another format is one mesh, named after the file, that no node shows.
 ///
 /// # Errors
 /// As [`read_mesh`].

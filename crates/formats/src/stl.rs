@@ -1,12 +1,14 @@
 //! STL, binary and text, distinguished by more than the first word.
 //!
 //! A file whose length is exactly what its binary header announces is binary, even if it begins
-//! with `solid` as many do. Otherwise it is text if it begins with `solid` or `facet` and soon has a facet
-//! or an end, and else binary. No text has a byte of zero, which the triangles of a binary file have.
+//! with `solid` as many do. Otherwise it is text if it begins with `solid` or `facet` and soon has
+//! a facet or an end, and else binary. No text has a byte of zero, which the triangles of a binary
+//! file have.
 //!
 //! STL has no shared vertices: each triangle brings three of its own.
 //!
-//! In text, `solid` and `endsolid` may be doubled or missing, and ends may be two words, as some programs write them.
+//! In text, `solid` and `endsolid` may be doubled or missing, and ends may be two words, as some
+//! programs write them.
 
 use super::mesh_file::{MeshFile, next_index};
 use super::notes::NoteKind;

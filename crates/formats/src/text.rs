@@ -78,7 +78,8 @@ pub(super) trait Number: FromStr {
 impl Number for f64 {
     const EXPECTED: &str = "a number such as -0.5";
 
-    /// C libraries print what is not finite as `-nan(ind)`, `nan(0x8000)`, `1.#IND`, `-1.#QNAN` or `1.#INF00`.
+    /// C libraries print what is not finite as `-nan(ind)`, `nan(0x8000)`, `1.#IND`, `-1.#QNAN` or
+    /// `1.#INF00`.
     fn of_other_programs(word: &str) -> Option<Self> {
         let unsigned = word.trim_start_matches(['+', '-']).to_ascii_lowercase();
         let is_in = |start: &str| unsigned.starts_with(start);
@@ -138,12 +139,12 @@ pub(super) fn at_line(line: usize) -> impl Fn(String) -> String {
     move |reason| format!("line {line}: {reason}")
 }
 
-// Polygons: a triangle stays as it is. A quadrilateral is cut along the diagonal from its first vertex,
-// or along the other one where the first does not lie inside. Larger polygons are seen along the axis
-// that their normal is closest to and go through ear clipping and Delaunay refinement (crate
-// `earcut`), which handles concave ones and makes no slivers at vertices in the middle of a
-// straight side. A polygon for which that finds nothing (no area, a coordinate that is not
-// finite), or with more than [`LARGEST_CLIPPED`] vertices, becomes a fan.
+// Polygons: a triangle stays as it is. A quadrilateral is cut along the diagonal from its first
+// vertex, or along the other one where the first does not lie inside. Larger polygons are seen
+// along the axis that their normal is closest to and go through ear clipping and Delaunay
+// refinement (crate `earcut`), which handles concave ones and makes no slivers at vertices in the
+// middle of a straight side. A polygon for which that finds nothing (no area, a coordinate that is
+// not finite), or with more than [`LARGEST_CLIPPED`] vertices, becomes a fan.
 
 /// Ear clipping may take the square of the number of vertices on polygons made to that end.
 const LARGEST_CLIPPED: usize = 10_000;

@@ -24,8 +24,9 @@ use crate::vector::{Vector, bounds};
 /// relative to the centre of all hulls, so that hulls far from the origin keep their shape; a
 /// node `hulls` above the others moves them there.
 ///
-/// The bytes of a `.hulls` file are made by [`HullsFile::to_bytes`](hullwright::hulls_format::HullsFile::to_bytes), and
-/// written by [`write_file`].
+/// The bytes of a `.hulls` file are made by
+/// [`HullsFile::to_bytes`](hullwright::hulls_format::HullsFile::to_bytes), and written by
+/// [`write_file`].
 ///
 /// # Errors
 /// [`Error::File`] if the suffix is another, if the directory does not exist, or if writing
@@ -78,8 +79,8 @@ fn bytes_of<'a, H: Into<MeshView<'a>>>(
 /// Checks what [`write_hulls`] or [`write_file`] would refuse, before there is anything to write.
 ///
 /// # Errors
-/// [`Error::File`] if the suffix is neither that of a [`HullFormat`] nor `hulls`, or if the directory
-/// does not exist.
+/// [`Error::File`] if the suffix is neither that of a [`HullFormat`] nor `hulls`, or if the
+/// directory does not exist.
 pub fn check_output(path: impl AsRef<Path>) -> Result<(), Error> {
     let path = path.as_ref();
     if !is_hulls_file(path) {

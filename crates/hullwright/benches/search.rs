@@ -1,4 +1,5 @@
-//! The paper's full search with its defaults, one thread: `cargo bench --package hullwright --bench search`.
+//! The paper's full search with its defaults, one thread: `cargo bench --package hullwright --bench
+//! search`.
 //!
 //! First a mesh of a million triangles, made by subdivision of a bundled one, with the peak of
 //! the process's memory. Then every mesh of the folder that `HULLWRIGHT_MESHES`

@@ -35,8 +35,8 @@ pub enum Stage {
     Finalize,
     /// Hulls join until they keep the limit on their number.
     Limit,
-    /// Triangles in one plane are merged, and detail below the bound goes; in the paper's method, simplification to the
-    /// maximum resolutions (section 3.2).
+    /// Triangles in one plane are merged, and detail below the bound goes; in the paper's method,
+    /// simplification to the maximum resolutions (section 3.2).
     Simplify,
     /// Search over resolutions and planar thresholds (sections 3.4 and 3.5).
     Search,
@@ -84,8 +84,9 @@ pub struct Progress {
 
 type Listener = Arc<dyn Fn(Progress) + Send + Sync>;
 
-/// How work is executed: where progress is reported, what stops it, and whether it runs in parallel.
-/// Clone it, keep one copy to cancel with, give the other to [`decompose`](crate::decompose).
+/// How work is executed: where progress is reported, what stops it, and whether it runs in
+/// parallel. Clone it, keep one copy to cancel with, give the other to
+/// [`decompose`](crate::decompose).
 ///
 /// `Control::default()` reports nothing, never stops, and runs in parallel.
 ///
@@ -123,15 +124,16 @@ impl Control {
         self
     }
 
-    /// At `deadline` the best valid result so far is returned. It is soft: optional work is left out, and what
-    /// the result needs is finished, with its bound and limits. Where little time is left, the surface is divided
-    /// as coarsely as by [`Preset::Fast`](crate::Preset::Fast), and the search ends so that there is time to
-    /// verify what it has found. That takes about half of the time without a deadline: a result within less is
-    /// late. For a hard stop see [`with_time_limit`](Self::with_time_limit).
+    /// At `deadline` the best valid result so far is returned. It is soft: optional work is left
+    /// out, and what the result needs is finished, with its bound and limits. Where little time is
+    /// left, the surface is divided as coarsely as by [`Preset::Fast`](crate::Preset::Fast), and
+    /// the search ends so that there is time to verify what it has found. That takes about half of
+    /// the time without a deadline: a result within less is late. For a hard stop see
+    /// [`with_time_limit`](Self::with_time_limit).
     ///
-    /// Only [`surface::decompose`](crate::surface::decompose()) on several threads can have nothing valid by
-    /// then, and returns [`Error::DeadlineExceeded`]: it starts no threshold after the deadline. On
-    /// one thread it finishes its first threshold, whatever the time.
+    /// Only [`surface::decompose`](crate::surface::decompose()) on several threads can have nothing
+    /// valid by then, and returns [`Error::DeadlineExceeded`]: it starts no threshold after the
+    /// deadline. On one thread it finishes its first threshold, whatever the time.
     ///
     /// In a browser, where [`std::time::Instant`] panics, it is an `Instant` of the crate
     /// `web-time` 1, which is also that of `bevy::platform::time`.
@@ -141,8 +143,9 @@ impl Control {
         self
     }
 
-    /// Past `limit` the work ends with [`Error::DeadlineExceeded`], as soon as it would when cancelled
-    /// and wherever it is. Together with a deadline, which ends in a result, it is set somewhat later.
+    /// Past `limit` the work ends with [`Error::DeadlineExceeded`], as soon as it would when
+    /// cancelled and wherever it is. Together with a deadline, which ends in a result, it is set
+    /// somewhat later.
     ///
     /// ```
     /// use std::time::{Duration, Instant};

@@ -35,12 +35,12 @@ use crate::stages::{FINISH, FINISHED, LIMIT, PREPARED, SEARCHED, Stages, nth};
 /// Decomposes a triangle mesh into convex hulls.
 ///
 /// `mesh` is in any unit; so are the hulls. Time is almost linear in the number of triangles, and
-/// grows as the bound gets smaller. It never panics. For meshes from strangers, `control` limits time and
-/// size.
+/// grows as the bound gets smaller. It never panics. For meshes from strangers, `control` limits
+/// time and size.
 ///
 /// # Errors
-/// - [`Error::EmptyMesh`], [`Error::IndexOutOfRange`], [`Error::NothingUsable`], [`Error::TooLarge`] and
-///   [`Error::SidednessCount`] for meshes that can't be used.
+/// - [`Error::EmptyMesh`], [`Error::IndexOutOfRange`], [`Error::NothingUsable`],
+///   [`Error::TooLarge`] and [`Error::SidednessCount`] for meshes that can't be used.
 /// - [`Error::InvalidParameter`] for a parameter out of its range.
 /// - [`Error::Cancelled`] and [`Error::DeadlineExceeded`] as `control` says.
 /// - [`Error::Simplification`] where memory is short.
@@ -70,12 +70,12 @@ pub fn decompose<'a>(
 }
 
 impl Decomposer {
-    /// Checks the input and the parameters and takes a copy of them. The control cannot be replaced later;
-    /// [`Control::cancel`] works on every clone.
+    /// Checks the input and the parameters and takes a copy of them. The control cannot be replaced
+    /// later; [`Control::cancel`] works on every clone.
     ///
     /// # Errors
-    /// [`Error::TooLarge`], [`Error::InvalidParameter`] and [`Error::EmptyMesh`]; the rest of the input is
-    /// checked in the first [`step`](Self::step).
+    /// [`Error::TooLarge`], [`Error::InvalidParameter`] and [`Error::EmptyMesh`]; the rest of the
+    /// input is checked in the first [`step`](Self::step).
     pub fn new<'a>(
         mesh: impl Into<MeshView<'a>>,
         parameters: &Parameters,
@@ -89,8 +89,8 @@ impl Decomposer {
     }
 }
 
-/// The whole of a decomposition: the passes of the preset, of which the one with the fewest hulls is kept, then
-/// the limit on hulls. Each stage runs between two yields: see [`Stages::run`].
+/// The whole of a decomposition: the passes of the preset, of which the one with the fewest hulls
+/// is kept, then the limit on hulls. Each stage runs between two yields: see [`Stages::run`].
 pub(crate) async fn pipeline(
     mesh: MeshView<'_>,
     parameters: &Parameters,
@@ -120,8 +120,8 @@ pub(crate) async fn pipeline(
             best = Some(found);
         }
     }
-    // All passes have the same bound; searches for a limit divide as the last one does, the coarsest. There is at least
-    // one pass, and the first ends with a result or an error.
+    // All passes have the same bound; searches for a limit divide as the last one does, the
+    // coarsest. There is at least one pass, and the first ends with a result or an error.
     let (Some(mut best), Some(settings)) = (best, passes.last()) else {
         return Err(Error::Finished);
     };
@@ -197,8 +197,8 @@ async fn run_pass(
     Ok(hulls.map(|hulls| Found { surfaces, solids, patches, hulls }))
 }
 
-/// The limit on hulls: hulls join, and the search is repeated under larger bounds as long as that may end with
-/// less error.
+/// The limit on hulls: hulls join, and the search is repeated under larger bounds as long as that
+/// may end with less error.
 async fn limit(
     prepared: &PreparedMesh,
     found: Found,
@@ -246,8 +246,8 @@ async fn within_limit(
     Ok(Found { surfaces, solids, patches, hulls })
 }
 
-/// Once openings are closed, coordinates are rounded to 2^-38 of the diagonal. A mesh in other units, which differs in the last
-/// bits, then breaks ties of symmetric shapes the same way.
+/// Once openings are closed, coordinates are rounded to 2^-38 of the diagonal. A mesh in other
+/// units, which differs in the last bits, then breaks ties of symmetric shapes the same way.
 const ROUNDING: f64 = (1_u64 << 38) as f64;
 
 fn round(mesh: &mut TriangleMesh) {
@@ -261,8 +261,8 @@ mod tests {
     use super::*;
     use crate::openings::prepare::prepare_closed;
 
-    /// Patches, pieces after merging, pieces of the cover, and hulls: the first of them that differs names the
-    /// stage that a change has changed.
+    /// Patches, pieces after merging, pieces of the cover, and hulls: the first of them that
+    /// differs names the stage that a change has changed.
     fn counts(mesh: MeshView<'_>) -> [usize; 4] {
         let (parameters, control) = (&Parameters::default(), &Control::new());
         let mut prepared = prepare_closed(mesh, &parameters.into(), control).unwrap().prepared;
@@ -284,7 +284,8 @@ mod tests {
         [patches.count(), merged, covered, hulls]
     }
 
-    /// After a change of the method, `UPDATE_STAGES=1 cargo test --package hullwright --lib decompose` writes the file anew.
+    /// After a change of the method, `UPDATE_STAGES=1 cargo test --package hullwright --lib
+    /// decompose` writes the file anew.
     #[test]
     fn each_stage_ends_with_as_many_parts_of_the_bundled_models_as_on_record() {
         use std::fmt::Write;

@@ -1,5 +1,5 @@
-//! What every method shares: checks, the prepared mesh and the report on it, and one `async` function, run to its end
-//! or in time slices.
+//! What every method shares: checks, the prepared mesh and the report on it, and one `async`
+//! function, run to its end or in time slices.
 
 use std::pin::{Pin, pin};
 use std::task::{Context, Poll, Waker};
@@ -13,8 +13,8 @@ use crate::openings::Opening;
 use crate::openings::prepare::Closed;
 use crate::stages::Stages;
 
-/// [`decompose`](crate::decompose()) in time slices, for platforms whose background tasks run on the main
-/// thread. A slice is a stage, or one resolution or one threshold of the paper's method.
+/// [`decompose`](crate::decompose()) in time slices, for platforms whose background tasks run on
+/// the main thread. A slice is a stage, or one resolution or one threshold of the paper's method.
 /// [`Method::decomposer`](crate::Method::decomposer) is for the other methods.
 ///
 /// ```

@@ -44,9 +44,10 @@ pub struct HullErrors {
     /// farther than this from the hull before.
     pub simplification_growth: f64,
     /// Protrusion: no point of the hull's surface is farther than this outside the solid. It is
-    /// verified against the source. An upper bound: of closed meshes never below 0.29 of the requested
-    /// bound and too large by at most 4 % of it, or of itself where it is above; of open ones never below 0.79.
-    /// Where a closer look would take long it may be as large as the bound. `None` for methods that verify nothing.
+    /// verified against the source. An upper bound: of closed meshes never below 0.29 of the
+    /// requested bound and too large by at most 4 % of it, or of itself where it is above; of open
+    /// ones never below 0.79. Where a closer look would take long it may be as large as the bound.
+    /// `None` for methods that verify nothing.
     pub protrusion_max: Option<f64>,
 }
 
@@ -148,21 +149,21 @@ pub struct RunReport {
     pub times: Vec<StageTime>,
 }
 
-/// What [`decompose`](crate::decompose()) promises, and what it verified against the source. Lengths are in the
-/// input's units.
+/// What [`decompose`](crate::decompose()) promises, and what it verified against the source.
+/// Lengths are in the input's units.
 #[non_exhaustive]
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Report {
     /// The requested bound, in units, kept between 0.001 % and 50 % of the diagonal.
     pub bound: f64,
-    /// Protrusion: no point of a hull's surface is farther than this outside the solid. With a probe, that or how far
-    /// balls are entered there, whichever is less. An upper
-    /// bound: see [`HullErrors::protrusion_max`]. Above `bound` only where a limit on hulls
-    /// forces it, or where a flat sheet has to be thicker to be a hull.
+    /// Protrusion: no point of a hull's surface is farther than this outside the solid. With a
+    /// probe, that or how far balls are entered there, whichever is less. An upper bound: see
+    /// [`HullErrors::protrusion_max`]. Above `bound` only where a limit on hulls forces it, or
+    /// where a flat sheet has to be thicker to be a hull.
     pub protrusion_max: f64,
-    /// Uncovered distance: no point of the input's surface is farther than this outside every hull. What is
-    /// thinner than 1e-6 of the diagonal in two directions is a line, and no surface:
+    /// Uncovered distance: no point of the input's surface is farther than this outside every hull.
+    /// What is thinner than 1e-6 of the diagonal in two directions is a line, and no surface:
     /// [`Repairs::degenerate_triangles`] counts it.
     pub uncovered_max: f64,
     /// As many hulls would keep the bound without the limit on vertices: fewer than there are where
@@ -186,10 +187,10 @@ pub struct Report {
 pub struct ProbeReport {
     /// Its radius, in units.
     pub radius: f64,
-    /// Side of the cells that were flooded, in units. Where it is above half the radius, memory was short of what the
-    /// mesh needs, and less is known to be out of reach.
+    /// Side of the cells that were flooded, in units. Where it is above half the radius, memory was
+    /// short of what the mesh needs, and less is known to be out of reach.
     pub cell: f64,
-    /// Volume in the bounding box that is outside the solid and that no ball can reach, in cubed units. An estimate by
-    /// 1,000 points.
+    /// Volume in the bounding box that is outside the solid and that no ball can reach, in cubed
+    /// units. An estimate by 1,000 points.
     pub unreachable_volume: f64,
 }

@@ -35,8 +35,8 @@ pub enum Error {
         /// How many of them use a vertex that is infinite or not a number.
         non_finite: usize,
     },
-    /// The mesh has more vertices or triangles than 32-bit indices can name, or than the caller allows:
-    /// see [`Control::with_max_triangles`](crate::Control::with_max_triangles).
+    /// The mesh has more vertices or triangles than 32-bit indices can name, or than the caller
+    /// allows: see [`Control::with_max_triangles`](crate::Control::with_max_triangles).
     #[error("the mesh is too large: {count} {what}, at most {limit} can be handled")]
     TooLarge {
         /// What there is too much of.
@@ -95,7 +95,8 @@ pub enum Error {
     /// [`Control::with_deadline`](crate::Control::with_deadline).
     #[error("the time ran out before there was a result")]
     DeadlineExceeded,
-    /// There is nothing left to run: [`Decomposer::step`](crate::Decomposer::step) was called after the result or an error.
+    /// There is nothing left to run: [`Decomposer::step`](crate::Decomposer::step) was called after
+    /// the result or an error.
     #[error("the work is already finished")]
     Finished,
     /// A file could not be read or written, or does not hold what its suffix says.
@@ -138,7 +139,8 @@ impl From<String> for FileError {
 }
 
 impl Error {
-    /// A name of the variant that stays the same when its message changes: for programs in other languages.
+    /// A name of the variant that stays the same when its message changes: for programs in other
+    /// languages.
     pub fn code(&self) -> &'static str {
         match self {
             Self::EmptyMesh { .. } => "empty_mesh",

@@ -36,8 +36,8 @@ pub struct Inspection {
     pub repairs: Repairs,
     /// Area of all triangles left after repair, in squared units.
     pub area: f64,
-    /// Volume that the closed components enclose, in cubed units, openings closed. Cavities are taken off;
-    /// where components overlap, their volumes are added.
+    /// Volume that the closed components enclose, in cubed units, openings closed. Cavities are
+    /// taken off; where components overlap, their volumes are added.
     pub volume: f64,
     /// The openings, closed and left.
     pub openings: Vec<Opening>,
@@ -50,8 +50,8 @@ impl Inspection {
     }
 }
 
-/// Looks at a mesh as [`decompose`](crate::decompose) sees it with [`Parameters::default`]. Almost linear
-/// time.
+/// Looks at a mesh as [`decompose`](crate::decompose) sees it with [`Parameters::default`]. Almost
+/// linear time.
 ///
 /// # Errors
 /// As [`decompose`](crate::decompose) for a mesh that is empty, too large or without any usable
@@ -71,8 +71,8 @@ pub fn inspect<'a>(mesh: impl Into<MeshView<'a>>) -> Result<Inspection, Error> {
     inspect_with(mesh, &Parameters::default())
 }
 
-/// Looks at a mesh as [`decompose`](crate::decompose) sees it with these parameters: openings depend on
-/// them. Almost linear time.
+/// Looks at a mesh as [`decompose`](crate::decompose) sees it with these parameters: openings
+/// depend on them. Almost linear time.
 ///
 /// # Errors
 /// As [`inspect`].

@@ -1,8 +1,9 @@
 //! Approximate convex decomposition of triangle meshes, with a measured and bounded error.
 //!
-//! A physics engine moves convex bodies. A concave mesh becomes a moving body as a compound of convex
-//! hulls. [`decompose`] makes few such hulls, and a [`Report`] that says how far they are from the mesh:
-//! the default method keeps a bound that you choose, and verifies it against the mesh.
+//! A physics engine moves convex bodies. A concave mesh becomes a moving body as a compound of
+//! convex hulls. [`decompose`] makes few such hulls, and a [`Report`] that says how far they are
+//! from the mesh: the default method keeps a bound that you choose, and verifies it against the
+//! mesh.
 //!
 //! ```
 //! use hullwright::{Control, Length, MeshView, Parameters, decompose};
@@ -50,10 +51,11 @@
 //! # Methods
 //!
 //! - [`decompose`], the default: patches of the surface merge, under a bound on the error, into few
-//!   hulls that cover the surface. The bound is verified against the source. `docs/algorithm.md` in the
-//!   crate explains each stage, with pictures, and why the bound is sound.
-//! - [`surface::decompose`](surface::decompose()): the method of the paper *A surface-based approach for 3D
-//!   approximate convex decomposition*, with the paper's parameters. It promises no bound.
+//!   hulls that cover the surface. The bound is verified against the source. `docs/algorithm.md` in
+//!   the crate explains each stage, with pictures, and why the bound is sound.
+//! - [`surface::decompose`](surface::decompose()): the method of the paper *A surface-based
+//!   approach for 3D approximate convex decomposition*, with the paper's parameters. It promises no
+//!   bound.
 //! - [`single_hull()`]: no decomposition, but the one hull of all points.
 //!
 //! A [`Method`] is one of the three with its parameters.
@@ -63,20 +65,21 @@
 //! - **Protrusion**: how far a hull is outside of the solid. Objects stop before they touch.
 //! - **Uncovered distance**: how far the mesh's surface is outside of every hull. Objects sink in.
 //!
-//! Both are at most [`Parameters::max_error`], unless a limit on hulls forces more or a flat part has to be
-//! thicker to be a hull; the report says how much. *Uncovered volume* is the share of the solid that no
-//! hull holds. [`measure`] samples all three, for hulls of any tool.
+//! Both are at most [`Parameters::max_error`], unless a limit on hulls forces more or a flat part
+//! has to be thicker to be a hull; the report says how much. *Uncovered volume* is the share of the
+//! solid that no hull holds. [`measure`] samples all three, for hulls of any tool.
 //!
 //! # Conventions
 //!
-//! - **Units** are the input's. A [`Length`] is a fraction of the diagonal of the bounding box of the vertices
-//!   that triangles use, or a number of the input's units.
-//! - **Winding**: right- and left-handed input both work. A closed mesh that encloses a negative volume is
-//!   turned around. Triangles of hulls run counter-clockwise seen from outside, in a right-handed frame.
-//! - **Precision**: everything is computed in `f64` on a copy that is moved to the origin and scaled to a
-//!   diagonal of 1.
-//! - **Determinism**: the same input and parameters give the same result, for any number of threads. Only a
-//!   deadline ([`Control::with_deadline`]) makes a result depend on time.
+//! - **Units** are the input's. A [`Length`] is a fraction of the diagonal of the bounding box of
+//!   the vertices that triangles use, or a number of the input's units.
+//! - **Winding**: right- and left-handed input both work. A closed mesh that encloses a negative
+//!   volume is turned around. Triangles of hulls run counter-clockwise seen from outside, in a
+//!   right-handed frame.
+//! - **Precision**: everything is computed in `f64` on a copy that is moved to the origin and
+//!   scaled to a diagonal of 1.
+//! - **Determinism**: the same input and parameters give the same result, for any number of
+//!   threads. Only a deadline ([`Control::with_deadline`]) makes a result depend on time.
 //! - **Panics**: none, whatever the input. Every function that can fail returns a typed error:
 //!   [`Error`], or that of its module ([`hulls_format::HullsFileError`], [`ParseError`]).
 //!
@@ -93,8 +96,8 @@
 //!
 //! # Inside
 //!
-//! Imports go down only: from the public functions to the two methods (`bounded`, `surface`), and to what these share,
-//! from `solid` down to `geometry`. `CONTRIBUTING.md` has the table.
+//! Imports go down only: from the public functions to the two methods (`bounded`, `surface`), and
+//! to what these share, from `solid` down to `geometry`. `CONTRIBUTING.md` has the table.
 
 #![cfg_attr(docsrs, feature(doc_cfg))]
 

@@ -56,7 +56,8 @@ pub struct CurvePoint {
     pub hulls: usize,
     /// The larger of the two errors below: the bound that this state keeps.
     pub error: f64,
-    /// No point of a hull's surface is farther than this outside the solid. In the units of the mesh.
+    /// No point of a hull's surface is farther than this outside the solid. In the units of the
+    /// mesh.
     pub protrusion_max: f64,
     /// No point of the surface is farther than this outside every hull. In the units of the mesh.
     pub uncovered_max: f64,
@@ -76,8 +77,8 @@ pub struct Join {
 impl MergeTree {
     /// Joins the hulls of `decomposition`, which came from the same mesh and parameters.
     ///
-    /// O(k²) lower bounds for k hulls; a few joint hulls per join are built and verified against the
-    /// mesh.
+    /// O(k²) lower bounds for k hulls; a few joint hulls per join are built and verified against
+    /// the mesh.
     ///
     /// # Errors
     /// Those of [`decompose`](crate::decompose); [`Error::NoHulls`] without hulls.
@@ -99,13 +100,13 @@ impl MergeTree {
         Ok(Self { file, ..tree })
     }
 
-    /// Joins hulls of any tool, each taken as the convex hull that it is. Those without
-    /// verified errors are verified first. Of `parameters` the bound says how finely protrusions are resolved, and
-    /// the limit on vertices holds for joint hulls.
+    /// Joins hulls of any tool, each taken as the convex hull that it is. Those without verified
+    /// errors are verified first. Of `parameters` the bound says how finely protrusions are
+    /// resolved, and the limit on vertices holds for joint hulls.
     ///
     /// # Errors
-    /// As [`new`](Self::new), and [`Error::UnusableHull`] for a hull whose triangles name points that
-    /// it does not have.
+    /// As [`new`](Self::new), and [`Error::UnusableHull`] for a hull whose triangles name points
+    /// that it does not have.
     pub fn from_hulls<'a>(
         mesh: impl Into<MeshView<'a>>,
         hulls: &[Hull],
@@ -180,9 +181,9 @@ impl MergeTree {
         self.hulls((0..=self.tree.joins()).rev().find(keeps).unwrap_or(0))
     }
 
-    /// The state of [`at_hulls`](Self::at_hulls) with its errors, as a file that games load. It has no mass properties
-    /// and, for hulls of another tool, no method and no bound. For the state within an error, `most` is the length of
-    /// [`at_error`](Self::at_error).
+    /// The state of [`at_hulls`](Self::at_hulls) with its errors, as a file that games load. It has
+    /// no mass properties and, for hulls of another tool, no method and no bound. For the state
+    /// within an error, `most` is the length of [`at_error`](Self::at_error).
     ///
     /// ```
     /// # let mesh = hullwright::TriangleMesh::new(

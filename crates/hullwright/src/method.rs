@@ -1,5 +1,5 @@
-//! A method and its parameters as one value, for programs that let users choose: the command, the plugin's
-//! tag, baked files and caches. And the simplest method, one hull.
+//! A method and its parameters as one value, for programs that let users choose: the command, the
+//! plugin's tag, baked files and caches. And the simplest method, one hull.
 
 use std::fmt;
 use std::str::FromStr;
@@ -23,8 +23,8 @@ use crate::surface::{self, SurfaceParameters, SurfaceReport};
 
 /// A method with its parameters.
 ///
-/// As text it is the method's name, unless it is the default, and the values that differ from the method's
-/// default:
+/// As text it is the method's name, unless it is the default, and the values that differ from the
+/// method's default:
 ///
 /// ```
 /// use hullwright::surface::SurfaceParameters;
@@ -86,8 +86,8 @@ impl Method {
     }
 
     /// Parameters by which [`mass_properties_with`](crate::mass_properties_with()),
-    /// [`MergeTree`](crate::MergeTree) and the command's pages see the mesh as this method does. The paper's method
-    /// closes no opening and leaves nothing out.
+    /// [`MergeTree`](crate::MergeTree) and the command's pages see the mesh as this method does.
+    /// The paper's method closes no opening and leaves nothing out.
     pub fn solid(&self) -> Parameters {
         match self {
             Self::Bounded(parameters) | Self::Hull(parameters) => parameters.clone(),
@@ -98,8 +98,9 @@ impl Method {
         }
     }
 
-    /// Bytes that are the same for the same parameters only: for the keys of caches. They stay the same as long as
-    /// no parameter is added. In place of another method's parameters stand the defaults.
+    /// Bytes that are the same for the same parameters only: for the keys of caches. They stay the
+    /// same as long as no parameter is added. In place of another method's parameters stand the
+    /// defaults.
     pub fn fingerprint(&self) -> Vec<u8> {
         // The patterns name all fields: a new one does not compile until it is written here.
         let bounded = self.bounded_parameters();
@@ -299,8 +300,9 @@ impl fmt::Display for Method {
 impl FromStr for Method {
     type Err = ParseError;
 
-    /// Reads what [`Display`](fmt::Display) writes, on top of the method's defaults. Parameters of another
-    /// method are read and dropped. The values are not checked: see [`validate`](Self::validate).
+    /// Reads what [`Display`](fmt::Display) writes, on top of the method's defaults. Parameters of
+    /// another method are read and dropped. The values are not checked: see
+    /// [`validate`](Self::validate).
     fn from_str(text: &str) -> Result<Self, ParseError> {
         let mut name = BOUNDED;
         let mut parameters = Parameters::default();
@@ -327,8 +329,8 @@ impl FromStr for Method {
     }
 }
 
-/// The one hull of all points that triangles use, with at most `max_vertices` vertices, whatever the error: nothing
-/// is verified. O(n log n).
+/// The one hull of all points that triangles use, with at most `max_vertices` vertices, whatever
+/// the error: nothing is verified. O(n log n).
 ///
 /// # Errors
 /// As [`decompose`](crate::decompose()).

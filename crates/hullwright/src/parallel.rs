@@ -19,8 +19,8 @@ pub(crate) fn map<T: Sync, R: Send>(
     map_indices(items.len(), |index| function(&items[index]))
 }
 
-/// Tasks that many items are divided into, at least: by itself rayon leaves a few items together, and the thread
-/// with the larger ones ends last.
+/// Tasks that many items are divided into, at least: by itself rayon leaves a few items together,
+/// and the thread with the larger ones ends last.
 #[cfg(feature = "parallel")]
 const TASKS: usize = 64;
 
@@ -38,8 +38,8 @@ pub(crate) fn map_indices<R: Send>(
     (0..count).map(function).collect()
 }
 
-/// Applies `function` to every item, those of the greatest `size` first: of few and unequal items a large one that
-/// came last would leave all other threads idle.
+/// Applies `function` to every item, those of the greatest `size` first: of few and unequal items a
+/// large one that came last would leave all other threads idle.
 pub(crate) fn map_largest_first<T: Sync, R: Send>(
     items: &[T],
     size: impl Fn(&T) -> usize,
@@ -54,8 +54,8 @@ pub(crate) fn map_largest_first<T: Sync, R: Send>(
     results.into_iter().map(|(_, result)| result).collect()
 }
 
-/// Applies `function` to items in order, one after the other on each thread, up to the first result that `ends`
-/// it. As many items as there are other threads may be computed in vain.
+/// Applies `function` to items in order, one after the other on each thread, up to the first result
+/// that `ends` it. As many items as there are other threads may be computed in vain.
 pub(crate) fn map_until<T: Sync, R: Send>(
     items: &[T],
     function: impl Fn(&T) -> R + Sync + Send,
@@ -85,8 +85,9 @@ pub(crate) fn map_until<T: Sync, R: Send>(
     results.into_iter().map(|(_, result)| result).collect()
 }
 
-/// A fold over items in order: `function` is applied to those for which `needs` holds in the state so far, and `add`
-/// adds its result to the state. What is not needed must not become so. Other threads run ahead, and may do so in vain.
+/// A fold over items in order: `function` is applied to those for which `needs` holds in the state
+/// so far, and `add` adds its result to the state. What is not needed must not become so. Other
+/// threads run ahead, and may do so in vain.
 ///
 /// # Errors
 /// The first error of `function`.
@@ -145,7 +146,8 @@ impl<S, R, E> Fold<S, R, E> {
     }
 }
 
-/// Locks a mutex, also after a panic: the results that these guard are valid whichever thread found them.
+/// Locks a mutex, also after a panic: the results that these guard are valid whichever thread found
+/// them.
 pub(crate) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
@@ -165,8 +167,8 @@ pub(crate) fn join<A: Send, B: Send>(
 /// Time between two checks for a stop while work runs that can't be stopped.
 const CHECK_EVERY: Duration = Duration::from_millis(1);
 
-/// Runs work that can't be stopped on a thread of its own, which is left to itself once `control` stops. In a browser,
-/// which has no such threads, it is done whole.
+/// Runs work that can't be stopped on a thread of its own, which is left to itself once `control`
+/// stops. In a browser, which has no such threads, it is done whole.
 ///
 /// # Errors
 /// [`Error::Cancelled`] and [`Error::DeadlineExceeded`]; `None` where the work panics.

@@ -32,35 +32,36 @@ use crate::error::Error;
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
 pub struct Parameters {
-    /// The bound: no point on the boundary of the hulls' union is farther than this outside the solid, and no
-    /// point of the surface farther than this outside every hull.
-    /// Unit: percent of the diagonal, or the mesh's own. Limits: above 0. Default: 2 %.
+    /// The bound: no point on the boundary of the hulls' union is farther than this outside the
+    /// solid, and no point of the surface farther than this outside every hull. Unit: percent of
+    /// the diagonal, or the mesh's own. Limits: above 0. Default: 2 %.
     ///
-    /// The solid is where the generalized winding number is above one half, and the surface itself. Triangles
-    /// without area are no surface. Less than 0.001 % of the diagonal counts as that, more than half as half.
-    /// A flat sheet becomes a hull that is a thousandth of its own diagonal thick, even where that is more than
-    /// the bound. Below 0.1 % a decomposition may take seconds.
+    /// The solid is where the generalized winding number is above one half, and the surface itself.
+    /// Triangles without area are no surface. Less than 0.001 % of the diagonal counts as that,
+    /// more than half as half. A flat sheet becomes a hull that is a thousandth of its own diagonal
+    /// thick, even where that is more than the bound. Below 0.1 % a decomposition may take seconds.
     pub max_error: Length,
     /// How much time the search for few hulls takes. Default: `Balanced`.
     pub preset: Preset,
     /// The largest number of hulls; `None` for no limit. Limits: at least 1. Default: `None`.
     ///
-    /// A limit, not a target. Where the bound needs more, hulls are joined beyond it, or the search is
-    /// repeated up to four times under larger bounds, whichever has less error;
+    /// A limit, not a target. Where the bound needs more, hulls are joined beyond it, or the search
+    /// is repeated up to four times under larger bounds, whichever has less error;
     /// [`Report::protrusion_max`](crate::Report::protrusion_max) says how much.
     pub max_hulls: Option<usize>,
-    /// The largest number of vertices of a hull; `None` for no limit. Limits: at least 8. Default: 64.
+    /// The largest number of vertices of a hull; `None` for no limit. Limits: at least 8. Default:
+    /// 64.
     ///
-    /// A hull with more is replaced by one that contains it and little more or, where the bound forbids that,
-    /// by one that leaves out what protrudes least, or by several;
-    /// [`HullErrors::simplification_growth`](crate::HullErrors::simplification_growth) says by how much it
-    /// grew.
+    /// A hull with more is replaced by one that contains it and little more or, where the bound
+    /// forbids that, by one that leaves out what protrudes least, or by several;
+    /// [`HullErrors::simplification_growth`](crate::HullErrors::simplification_growth) says by how
+    /// much it grew.
     pub max_vertices: Option<usize>,
-    /// Whether cavities stay empty that can only be reached through mouths narrower than twice the bound, or
-    /// not at all. Default: `false`.
+    /// Whether cavities stay empty that can only be reached through mouths narrower than twice the
+    /// bound, or not at all. Default: `false`.
     ///
-    /// Otherwise a hull may fill them: nothing outside can get there. Those nowhere deeper than the bound may
-    /// always be filled.
+    /// Otherwise a hull may fill them: nothing outside can get there. Those nowhere deeper than the
+    /// bound may always be filled.
     pub keep_cavities: bool,
     /// What becomes of flat openings, the sides that a modeller leaves out. Default: `Auto`.
     ///
@@ -68,21 +69,23 @@ pub struct Parameters {
     pub openings: Openings,
     /// Which axis points up, against gravity. Default: `Y`, as in glTF.
     ///
-    /// Where faces are drawn from both sides, [`Openings::Auto`] closes openings in the lowest plane alone.
+    /// Where faces are drawn from both sides, [`Openings::Auto`] closes openings in the lowest
+    /// plane alone.
     pub up_axis: UpAxis,
-    /// The radius of the smallest ball that may meet the hulls: half the thickness of the thinnest thing that moves;
-    /// `None` where nothing is known of that.
-    /// Unit: percent of the diagonal, or the mesh's own. Limits: above 0. Default: `None`.
+    /// The radius of the smallest ball that may meet the hulls: half the thickness of the thinnest
+    /// thing that moves; `None` where nothing is known of that. Unit: percent of the diagonal, or
+    /// the mesh's own. Limits: above 0. Default: `None`.
     ///
-    /// Hulls may fill what no such ball can reach: no ball that comes from outside without touching the mesh is
-    /// entered by a hull by more than [`max_error`](Self::max_error). Protrusion is then how far balls are entered,
-    /// or the distance from the solid where that is less; a ball that is entered by more than half its radius does not
-    /// count. The uncovered distance stays that from the mesh. `docs/probe.md` in the crate says which radius when.
-    /// Not together with `keep_cavities`.
+    /// Hulls may fill what no such ball can reach: no ball that comes from outside without touching
+    /// the mesh is entered by a hull by more than [`max_error`](Self::max_error). Protrusion is
+    /// then how far balls are entered, or the distance from the solid where that is less; a ball
+    /// that is entered by more than half its radius does not count. The uncovered distance stays
+    /// that from the mesh. `docs/probe.md` in the crate says which radius when. Not together with
+    /// `keep_cavities`.
     pub probe_radius: Option<Length>,
-    /// Where the probe starts beside the outside, in the mesh's coordinates: points of closed rooms that stay
-    /// open. Limits: farther than the radius from the mesh, and outside the solid; only with `probe_radius`.
-    /// Default: none.
+    /// Where the probe starts beside the outside, in the mesh's coordinates: points of closed rooms
+    /// that stay open. Limits: farther than the radius from the mesh, and outside the solid; only
+    /// with `probe_radius`. Default: none.
     pub probe_from: Vec<[f64; 3]>,
 }
 
@@ -378,8 +381,8 @@ macro_rules! named {
 )]
 #[cfg_attr(feature = "bevy_reflect", type_path = "hullwright", type_name = "DecompositionPreset")]
 pub enum Preset {
-    /// Coarser patches and no dissolving: about a fifth more hulls in two thirds of the time. More of a solid
-    /// may stay empty inside.
+    /// Coarser patches and no dissolving: about a fifth more hulls in two thirds of the time. More
+    /// of a solid may stay empty inside.
     #[cfg_attr(feature = "serde", serde(alias = "Fast"))]
     Fast,
     /// Few hulls: tens of milliseconds for most props, tenths of a second for most scans.
@@ -394,7 +397,8 @@ pub enum Preset {
 
 named!(Preset: Fast = "fast", Balanced = "balanced", Fine = "fine"; "fast, balanced or fine");
 
-/// What becomes of the openings of a mesh: the sides that a modeller leaves out since nobody sees them.
+/// What becomes of the openings of a mesh: the sides that a modeller leaves out since nobody sees
+/// them.
 #[non_exhaustive]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -406,8 +410,8 @@ named!(Preset: Fast = "fast", Balanced = "balanced", Fine = "fine"; "fast, balan
 )]
 #[cfg_attr(feature = "bevy_reflect", type_path = "hullwright", type_name = "DecompositionOpenings")]
 pub enum Openings {
-    /// A flat opening is closed where only the backs of faces are seen through it: there the surface
-    /// is the skin of a solid. Containers, rooms and sheets stay as they are.
+    /// A flat opening is closed where only the backs of faces are seen through it: there the
+    /// surface is the skin of a solid. Containers, rooms and sheets stay as they are.
     #[cfg_attr(feature = "serde", serde(alias = "Auto"))]
     #[default]
     Auto,

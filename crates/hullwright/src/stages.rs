@@ -35,8 +35,8 @@ pub(crate) const LIMIT: Plan = &[(Stage::Limit, 0.0)];
 /// Hulls in the input's units.
 pub(crate) const FINISH: Plan = &[(Stage::Finalize, 0.0)];
 
-/// Shares of the whole that are done once the mesh is prepared, once the passes of the preset have ended (where
-/// more may follow, for a limit on hulls), and once there are no more.
+/// Shares of the whole that are done once the mesh is prepared, once the passes of the preset have
+/// ended (where more may follow, for a limit on hulls), and once there are no more.
 pub(crate) const PREPARED: f32 = 0.15;
 pub(crate) const SEARCHED: f32 = 0.7;
 pub(crate) const FINISHED: f32 = 0.99;
@@ -98,8 +98,8 @@ impl Stages {
         self.taken = Duration::ZERO;
     }
 
-    /// Goes on to the stages of a pass. Those of an optional one, without which there is a result, end at the
-    /// deadline, with [`Error::DeadlineExceeded`].
+    /// Goes on to the stages of a pass. Those of an optional one, without which there is a result,
+    /// end at the deadline, with [`Error::DeadlineExceeded`].
     pub(crate) fn begin_pass(&mut self, part: Range<f32>, is_optional: bool) {
         self.begin(PASS, part);
         if is_optional {

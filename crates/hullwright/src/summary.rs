@@ -1,7 +1,8 @@
-//! Reports as text: the few lines that a person reads of a decomposition, a mesh, a measurement or a file.
+//! Reports as text: the few lines that a person reads of a decomposition, a mesh, a measurement or
+//! a file.
 //!
-//! Programs read the fields instead; the words may change. Lengths are percentages of the bounding-box diagonal where
-//! it is known, else in the mesh's units.
+//! Programs read the fields instead; the words may change. Lengths are percentages of the
+//! bounding-box diagonal where it is known, else in the mesh's units.
 
 use std::cmp::Reverse;
 use std::fmt::{self, Display, Formatter};
@@ -21,8 +22,8 @@ use crate::openings::{Opening, OpeningOutcome};
 use crate::surface::SurfaceReport;
 
 impl<R: Clone + Into<MethodReport>> Decomposition<R> {
-    /// Says by how much hulls protrude beyond the bound, and why: a limit on hulls, or a flat part that has to be
-    /// thicker to be a hull. `None` where the bound is kept, or the method has none.
+    /// Says by how much hulls protrude beyond the bound, and why: a limit on hulls, or a flat part
+    /// that has to be thicker to be a hull. `None` where the bound is kept, or the method has none.
     pub fn exceeded_bound(&self) -> Option<String> {
         let report: MethodReport = self.report.clone().into();
         let &Report { bound, protrusion_max, .. } = report.bounded()?;
@@ -83,8 +84,8 @@ fn exceeded_bound(hulls: &[Hull], bound: f64, protrusion: f64, diagonal: f64) ->
 }
 
 impl RunReport {
-    /// What was repaired, what became of openings, and whether the deadline cut the work short, one line each; empty
-    /// where there is nothing to say.
+    /// What was repaired, what became of openings, and whether the deadline cut the work short, one
+    /// line each; empty where there is nothing to say.
     pub fn remarks(&self) -> Vec<String> {
         let repaired = repairs(&self.repairs).map(|repairs| format!("repaired: {repairs}"));
         let openings = openings(&self.openings).map(|openings| format!("openings: {openings}"));
@@ -448,7 +449,8 @@ fn percentage(length: f64, diagonal: f64) -> String {
 /// Less is rounding: a tenth of what makes a hull not convex by default.
 const ROUNDING: f64 = 1e-7;
 
-/// A fraction of the diagonal as a percentage. Three digits after the point show what samples resolve.
+/// A fraction of the diagonal as a percentage. Three digits after the point show what samples
+/// resolve.
 fn relative(length: f64) -> String {
     let percent = 100.0 * length;
     if length > ROUNDING && percent < 1e-3 {

@@ -1,7 +1,9 @@
-//! Work, counted in tests: presets are compared by it, since clocks are noisy. Elsewhere nothing is counted.
+//! Work, counted in tests: presets are compared by it, since clocks are noisy. Elsewhere nothing is
+//! counted.
 //!
-//! What takes most of the time counts, each about as much as it takes in instructions on props: parts of
-//! faces that are tested or verified, cells of the grid that are filled, and points that hulls grow by.
+//! What takes most of the time counts, each about as much as it takes in instructions on props:
+//! parts of faces that are tested or verified, cells of the grid that are filled, and points that
+//! hulls grow by.
 
 /// A part of a face that is tested, or verified.
 pub(crate) const PART: u64 = 1;

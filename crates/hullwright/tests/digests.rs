@@ -1,8 +1,8 @@
 //! The hulls of the bundled models are the same bits wherever they are computed: for any number of
 //! threads, with and without the feature `parallel`, with and without optimisation.
 //!
-//! After a change of the method, `UPDATE_DIGESTS=1 cargo test --package hullwright --test digests` writes the
-//! digests anew.
+//! After a change of the method, `UPDATE_DIGESTS=1 cargo test --package hullwright --test digests`
+//! writes the digests anew.
 
 // The unused rest is for other tests.
 #[allow(dead_code)]

@@ -1,5 +1,5 @@
-//! The fuzz targets, on a stable compiler: what they have found is replayed, and each is given bytes that
-//! nobody chose.
+//! The fuzz targets, on a stable compiler: what they have found is replayed, and each is given
+//! bytes that nobody chose.
 
 #[path = "../../../fuzz/src/lib.rs"]
 mod targets;
@@ -29,7 +29,8 @@ fn what_fuzzing_has_found_stays_mended() {
     }
 }
 
-/// Of the starts for the fuzzer a few, which take a second; `FUZZ_STARTS` writes them all into `fuzz/work`.
+/// Of the starts for the fuzzer a few, which take a second; `FUZZ_STARTS` writes them all into
+/// `fuzz/work`.
 #[test]
 fn starts_are_decomposed_or_have_a_hull_and_break_nothing() {
     const EVERY: usize = 9;

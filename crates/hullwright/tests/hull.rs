@@ -319,8 +319,8 @@ fn what_rounding_errors_take_for_solid_is_flat() {
     }
 }
 
-/// Of a sheet of points hardly thicker than the tolerance no edge bends for certain, so that no vertex need be a
-/// corner: building anew with the corners alone had nothing to begin with.
+/// Of a sheet of points hardly thicker than the tolerance no edge bends for certain, so that no
+/// vertex need be a corner: building anew with the corners alone had nothing to begin with.
 #[test]
 fn a_sheet_hardly_thicker_than_the_tolerance_is_flat_or_a_body() {
     // Most such sheets have some corner; this one, found by fuzzing, had none.

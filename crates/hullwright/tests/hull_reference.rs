@@ -1,6 +1,6 @@
-//! The convex hull against one in exact arithmetic: whole numbers of 128 bits, of which no determinant of
-//! these sets has more. `cargo test --release --test hull_reference -- --ignored` takes 100,000 sets of each
-//! kind.
+//! The convex hull against one in exact arithmetic: whole numbers of 128 bits, of which no
+//! determinant of these sets has more. `cargo test --release --test hull_reference -- --ignored`
+//! takes 100,000 sets of each kind.
 
 // The unused rest is for other tests.
 #[allow(dead_code)]
@@ -157,8 +157,8 @@ fn as_floats(points: &[Whole]) -> Vec<[f64; 3]> {
     points.iter().map(|point| point.map(|x| x as f64)).collect()
 }
 
-/// In small grids nothing is within the tolerance of a plane unless it is on it: the hull is the exact one,
-/// corner by corner.
+/// In small grids nothing is within the tolerance of a plane unless it is on it: the hull is the
+/// exact one, corner by corner.
 fn small_sets_have_the_exact_hull(sets: u64) {
     let mut solid = 0;
     for seed in 0..sets {
@@ -224,8 +224,8 @@ fn is_outside(faces: &[Triangle], point: [f64; 3]) -> bool {
     })
 }
 
-/// At the tolerance the hull may leave points out. It is an exact hull of those it takes, and what it leaves
-/// out is within the tolerance of it. Returns how many points that are.
+/// At the tolerance the hull may leave points out. It is an exact hull of those it takes, and what
+/// it leaves out is within the tolerance of it. Returns how many points that are.
 fn fine_sets_have_an_exact_hull_within_the_tolerance(sets: Range<u64>) -> usize {
     let (mut left_out, mut beyond) = (0, 0);
     for seed in sets {
@@ -278,8 +278,8 @@ fn hulls_of_thousands_of_sets_at_the_tolerance_are_exact_within_it() {
     assert!(left_out > 4_000, "the sets are not hard");
 }
 
-/// A hull hardly thicker than the tolerance: the point was within the tolerance of both planes that meet at a sharp
-/// edge, and an eighth of the extent away.
+/// A hull hardly thicker than the tolerance: the point was within the tolerance of both planes that
+/// meet at a sharp edge, and an eighth of the extent away.
 #[test]
 fn a_point_far_beyond_a_sharp_edge_is_not_left_out() {
     fine_sets_have_an_exact_hull_within_the_tolerance(52_862..52_863);

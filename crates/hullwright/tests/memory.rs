@@ -1,5 +1,5 @@
-//! How much memory a decomposition takes: what `docs/reliability.md` says of it. Only Linux tells the
-//! peak of a process, so these tests have a process of their own.
+//! How much memory a decomposition takes: what `docs/reliability.md` says of it. Only Linux tells
+//! the peak of a process, so these tests have a process of their own.
 #![cfg(target_os = "linux")]
 
 #[allow(dead_code)]
@@ -62,8 +62,8 @@ fn bumpy_sphere(n: u32) -> Mesh {
     (points, triangles)
 }
 
-/// The faces of a lattice of tetrahedra whose vertices have moved by about an edge: all of them cross
-/// others.
+/// The faces of a lattice of tetrahedra whose vertices have moved by about an edge: all of them
+/// cross others.
 fn tangle(n: u32, seed: u64) -> Mesh {
     let mut random = Random(seed);
     let side = n + 1;

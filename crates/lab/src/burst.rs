@@ -229,8 +229,8 @@ fn write(path: &Path, pictures: &[Picture]) -> Result<(), Box<dyn std::error::Er
     Ok(())
 }
 
-/// The smallest rectangle in which two frames differ: left, top, right, bottom. All of it without one
-/// before.
+/// The smallest rectangle in which two frames differ: left, top, right, bottom. All of it without
+/// one before.
 fn changed(before: Option<&Vec<u8>>, frame: &[u8]) -> [usize; 4] {
     let (width, height) = SIZE;
     let Some(before) = before else { return [0, 0, width, height] };

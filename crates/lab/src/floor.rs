@@ -13,10 +13,11 @@ use crate::report::{Table, number};
 use crate::shapes::uv_sphere;
 use crate::terminal::{Failure, print};
 
-/// Compare the time of decomposing with a floor: welding, building a tree, and one search for the closest point
-/// from each vertex of the hulls
+/// Compare the time of decomposing with a floor: welding, building a tree, and one search for the
+/// closest point from each vertex of the hulls
 ///
-/// The floor is Parry's code in single precision, on one thread as decomposing is. Of several runs the quickest counts.
+/// The floor is Parry's code in single precision, on one thread as decomposing is. Of several runs
+/// the quickest counts.
 #[derive(clap::Args)]
 pub struct Arguments {
     #[arg(help = crate::tools::meshes::files_help(), value_name = "MESH")]

@@ -38,8 +38,8 @@ enum Picture {
         #[arg(default_value = "docs/pictures/bevy-bounds.png")]
         output: PathBuf,
     },
-    /// docs/openings.md: a row for each mesh, with its caps in red, the hulls with all openings kept, and those with
-    /// openings closed
+    /// docs/openings.md: a row for each mesh, with its caps in red, the hulls with all openings
+    /// kept, and those with openings closed
     Openings {
         output: PathBuf,
         #[arg(required = true)]
@@ -110,8 +110,8 @@ pub fn write(
     print(&format!("wrote {}", path.display()))
 }
 
-/// The mesh with its caps in red, the hulls with all openings kept, those with openings closed, moved apart,
-/// and the numbers of both.
+/// The mesh with its caps in red, the hulls with all openings kept, those with openings closed,
+/// moved apart, and the numbers of both.
 fn openings(mesh: &TriangleMesh, apart: f64) -> Result<([Panel; 3], [usize; 2]), Error> {
     let (auto, control) = (Parameters::default(), Control::new());
     let closed = close_openings(mesh, &auto, &control)?;
@@ -264,8 +264,8 @@ fn probe(output: &Path, mesh: &Path) -> Result<(), Failure> {
     write(output, vec![panels], (300, 260), Layout::default().view.elevation)
 }
 
-/// A bungalow of two rooms, 8 by 6 metres, with walls of 20 cm and doors of 1 by 2 metres, in metres. The
-/// roof is left out, so that one sees the rooms.
+/// A bungalow of two rooms, 8 by 6 metres, with walls of 20 cm and doors of 1 by 2 metres, in
+/// metres. The roof is left out, so that one sees the rooms.
 fn building() -> TriangleMesh {
     let walls = [
         ([0.0, -0.2, 0.0], [8.0, 0.0, 6.0]),

@@ -1,4 +1,5 @@
-//! `cargo lab reach`: whether hulls stay out of the way of balls, by a path finder that shares no code with the crate.
+//! `cargo lab reach`: whether hulls stay out of the way of balls, by a path finder that shares no
+//! code with the crate.
 
 use std::path::PathBuf;
 
@@ -9,11 +10,12 @@ use crate::independent::paths::deepest_entry;
 use crate::terminal::{Failure, print};
 use crate::tools::meshes;
 
-/// Decompose every mesh below folders with a probe, move a ball through all places that it can reach from outside, and
-/// say how far hulls enter it
+/// Decompose every mesh below folders with a probe, move a ball through all places that it can
+/// reach from outside, and say how far hulls enter it
 ///
-/// Ends with exit code 1 where that is more than the bound. In an open mesh, what its winding number takes for the inside
-/// counts as solid although a ball may get there: such meshes are only listed.
+/// Ends with exit code 1 where that is more than the bound. In an open mesh, what its winding
+/// number takes for the inside counts as solid although a ball may get there: such meshes are only
+/// listed.
 #[derive(clap::Args)]
 pub struct Arguments {
     #[arg(help = meshes::folders_help(), required = true, value_name = "DIR")]

@@ -1,5 +1,5 @@
-//! `cargo lab stability`: the same meshes turned, scaled, moved, jittered, shuffled, flipped or doubled, and how
-//! much the result varies.
+//! `cargo lab stability`: the same meshes turned, scaled, moved, jittered, shuffled, flipped or
+//! doubled, and how much the result varies.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -36,12 +36,12 @@ pub struct Arguments {
     only: Vec<String>,
 }
 
-/// Longest time of a variation in seconds, several times that of the slowest mesh, and most memory in
-/// megabytes, as in the benchmark.
+/// Longest time of a variation in seconds, several times that of the slowest mesh, and most memory
+/// in megabytes, as in the benchmark.
 const LIMITS: (f64, u64) = (120.0, 4096);
 
-/// Fewer points than in the benchmark, since there are many runs: shares of the volume are known to about a
-/// hundredth.
+/// Fewer points than in the benchmark, since there are many runs: shares of the volume are known to
+/// about a hundredth.
 const JUDGE: Judge =
     Judge { is_timed: false, surface_samples: 20_000, volume_samples: 20_000, ..FULL };
 

@@ -19,8 +19,8 @@ pub struct Arguments {
     #[arg(long, value_name = "NAME", default_value = "balanced")]
     preset: Preset,
 
-    /// Run each once, and print nothing: for `valgrind --tool=callgrind`, which counts instructions, since clocks
-    /// are noisy
+    /// Run each once, and print nothing: for `valgrind --tool=callgrind`, which counts
+    /// instructions, since clocks are noisy
     #[arg(long)]
     once: bool,
 }

@@ -16,8 +16,8 @@ use crate::tools::methods::{Run, bounded};
 
 /// Compare the bounded method with CoACD and Parry's V-HACD, mesh by mesh
 ///
-/// V-HACD's times are taken in the same run, and ours on all threads are compared with them. A promise is
-/// broken where more is sampled than was verified, or verified than was asked for.
+/// V-HACD's times are taken in the same run, and ours on all threads are compared with them. A
+/// promise is broken where more is sampled than was verified, or verified than was asked for.
 #[derive(clap::Args)]
 pub struct Arguments {
     /// A folder with peers/results.tsv, which names the meshes and what CoACD returned, and the
@@ -25,8 +25,8 @@ pub struct Arguments {
     #[arg(value_name = "DIR")]
     folder: PathBuf,
 
-    /// The bound: a fraction of the diagonal; `coacd` or `vhacd` for their Hausdorff distance on each mesh; or
-    /// `coacd-hulls` for the smallest one that ends with no more hulls than CoACD's
+    /// The bound: a fraction of the diagonal; `coacd` or `vhacd` for their Hausdorff distance on
+    /// each mesh; or `coacd-hulls` for the smallest one that ends with no more hulls than CoACD's
     #[arg(long, value_name = "BOUND", default_value = "0.02", value_parser = parse_bound)]
     bound: Bound,
 
@@ -80,8 +80,8 @@ const JUDGE: Judge = Judge { surface_samples: 20_000, volume_samples: 60_000, ..
 
 const PROP: std::ops::RangeInclusive<usize> = 50..=2000;
 
-/// The bounds between which CoACD's number of hulls is looked for, as fractions of the diagonal, and how often
-/// the interval is halved, by its logarithm: to 3 %.
+/// The bounds between which CoACD's number of hulls is looked for, as fractions of the diagonal,
+/// and how often the interval is halved, by its logarithm: to 3 %.
 pub const BOUNDS: [f64; 2] = [0.002, 0.06];
 pub const HALVINGS: usize = 7;
 

@@ -1,15 +1,15 @@
 //! What a step of Rapier costs with our hulls, with Parry's V-HACD and with the triangles
 //! themselves: `cargo bench --package hullwright_rapier --bench step`.
 //!
-//! A hundred bodies, as many of each of some bundled models, fall onto each other in a box. Each kind
-//! of collider runs the same scenes, with the mass properties of the source mesh: in each round
-//! the bodies start turned otherwise, since one heap differs from the next by more than the kinds
-//! do, and the kinds take turns. The error of a set of hulls is the larger of its protrusion and its
-//! uncovered distance, as `measure` samples them; V-HACD runs at
-//! the resolutions named, with its own defaults else. Ours runs at its default error, and with
-//! each model's error under V-HACD to spend, as a user does for whom that is enough. The errors of "ours,
-//! primitives" are those of the hulls; the primitives stay within the bound too. Errors of "ours, probe" count what it fills. A second heap is of models that
-//! are made of boxes.
+//! A hundred bodies, as many of each of some bundled models, fall onto each other in a box. Each
+//! kind of collider runs the same scenes, with the mass properties of the source mesh: in each
+//! round the bodies start turned otherwise, since one heap differs from the next by more than the
+//! kinds do, and the kinds take turns. The error of a set of hulls is the larger of its protrusion
+//! and its uncovered distance, as `measure` samples them; V-HACD runs at the resolutions named,
+//! with its own defaults else. Ours runs at its default error, and with each model's error under
+//! V-HACD to spend, as a user does for whom that is enough. The errors of "ours, primitives" are
+//! those of the hulls; the primitives stay within the bound too. Errors of "ours, probe" count what
+//! it fills. A second heap is of models that are made of boxes.
 
 use std::time::Instant;
 

@@ -1,5 +1,5 @@
-//! A query dispatcher for Rapier whose contacts don't depend on the unit of length, and which drops contacts at
-//! the seams of a compound.
+//! A query dispatcher for Rapier whose contacts don't depend on the unit of length, and which drops
+//! contacts at the seams of a compound.
 //!
 //! Parry's search for the closest points of two convex shapes, GJK, compares squared lengths and
 //! squared areas with constants: two points nearer than 1.1 mm count as one, and three points that
@@ -29,17 +29,17 @@ use super::seams::{Side, drop_inner_contacts};
 
 /// Computes contacts of convex shapes, alone or in compounds, as well for a thimble as for a house.
 ///
-/// Rapier's own contacts are wrong where shapes of some centimetres meet, in metres: a ball of
-/// 8 mm sinks into a bowl of 10 cm, whoever made its hulls. `docs/reliability.md` has a table of sizes
+/// Rapier's own contacts are wrong where shapes of some centimetres meet, in metres: a ball of 8 mm
+/// sinks into a bowl of 10 cm, whoever made its hulls. `docs/reliability.md` has a table of sizes
 /// and shapes. With this dispatcher in place of Rapier's default, it rolls. It takes effect for all
-/// convex polyhedra, cuboids, cylinders, cones and capsules of a world, not only for shapes made by this
-/// crate; pairs that Parry computes in closed form (two balls, two cuboids, two capsules, a half
-/// space), triangle meshes, height fields and voxels stay Parry's, and so do queries other than
-/// contacts. Large shapes get the very contacts that Rapier computes.
+/// convex polyhedra, cuboids, cylinders, cones and capsules of a world, not only for shapes made by
+/// this crate; pairs that Parry computes in closed form (two balls, two cuboids, two capsules, a
+/// half space), triangle meshes, height fields and voxels stay Parry's, and so do queries other
+/// than contacts. Large shapes get the very contacts that Rapier computes.
 ///
-/// Over the seams between the parts of a compound, as hulls of a decomposition or tiles of a floor, bodies
-/// go straight on: contacts with edges and faces that lie inside of the compound are dropped. Put tiles
-/// into one compound for that; of colliders of their own nothing is known here.
+/// Over the seams between the parts of a compound, as hulls of a decomposition or tiles of a floor,
+/// bodies go straight on: contacts with edges and faces that lie inside of the compound are
+/// dropped. Put tiles into one compound for that; of colliders of their own nothing is known here.
 ///
 /// ```
 /// use hullwright_rapier::ContactDispatcher;
@@ -248,8 +248,8 @@ impl Pair<'_> {
         }
     }
 
-    /// Finds the contacts of shapes with faces, where directions of the normal may be forbidden on either
-    /// side. False where a shape has no faces, or is large enough for Parry.
+    /// Finds the contacts of shapes with faces, where directions of the normal may be forbidden on
+    /// either side. False where a shape has no faces, or is large enough for Parry.
     fn contacts_of_faces<M: Default, C: Default + Copy>(
         &self,
         forbidden: [Option<&dyn NormalConstraints>; 2],
@@ -284,8 +284,9 @@ impl Pair<'_> {
         true
     }
 
-    /// Finds the contact of a polyhedron with a ball, the second shape; `flipped` where the manifold names
-    /// the ball first. False for other shapes, or where the polyhedron is large enough for Parry.
+    /// Finds the contact of a polyhedron with a ball, the second shape; `flipped` where the
+    /// manifold names the ball first. False for other shapes, or where the polyhedron is large
+    /// enough for Parry.
     fn contact_of_ball<M, C: Default + Copy>(
         &self,
         manifold: &mut ContactManifold<M, C>,
@@ -344,15 +345,15 @@ fn outward_and_distance(point: Vector, projection: &PointProjection) -> (Vector,
     if projection.is_inside { (-direction, -length) } else { (direction, length) }
 }
 
-/// Shapes are enlarged to an extent of 2 to this power, in Parry's unit: 16. Its tolerances are 1 mm and
-/// 5 cm² there; beyond this size the rounding of `f32` exceeds them.
+/// Shapes are enlarged to an extent of 2 to this power, in Parry's unit: 16. Its tolerances are 1
+/// mm and 5 cm² there; beyond this size the rounding of `f32` exceeds them.
 const EXTENT_EXPONENT: i32 = 4;
 
 /// No extent is multiplied by more than 2 to this power, so that nothing overflows.
 const LARGEST_EXPONENT: i32 = 60;
 
-/// The power of two that enlarges a box to the extent above, give or take a factor of two. Large shapes
-/// are not made smaller: details that are far above the tolerances would fall below.
+/// The power of two that enlarges a box to the extent above, give or take a factor of two. Large
+/// shapes are not made smaller: details that are far above the tolerances would fall below.
 fn factor(bounds: &Aabb) -> Real {
     let extent = (bounds.maxs - bounds.mins).max_element();
     if !(extent.is_normal() && extent > 0.0) {
@@ -362,7 +363,8 @@ fn factor(bounds: &Aabb) -> Real {
     Real::from_bits(((exponent.clamp(0, LARGEST_EXPONENT) + BIAS) as u32) << MANTISSA_BITS)
 }
 
-/// The logarithm to base 2, rounded down. Read off the bits, since `log2` may differ between platforms.
+/// The logarithm to base 2, rounded down. Read off the bits, since `log2` may differ between
+/// platforms.
 fn exponent(positive: Real) -> i32 {
     (positive.to_bits() >> MANTISSA_BITS) as i32 - BIAS
 }

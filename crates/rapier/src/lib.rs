@@ -24,12 +24,13 @@
 //! ```
 //!
 //! For a decomposition that is kept, or read from a `.hulls` file, there are [`collider`] and
-//! [`shape`]; for hulls of another tool, [`shape_from_points`]. A `SharedShape` may be shared by any
-//! number of colliders.
+//! [`shape`]; for hulls of another tool, [`shape_from_points`]. A `SharedShape` may be shared by
+//! any number of colliders.
 //!
-//! What hangs on something round, as a mug on a hook, swings on without end in Rapier, whatever its collider
-//! is made of: contacts are kept where they were while bodies move by less than 5 cm. Set
-//! `IntegrationParameters::normalized_contact_recycle_distance` to 0.001 there, and damp its turning a little.
+//! What hangs on something round, as a mug on a hook, swings on without end in Rapier, whatever its
+//! collider is made of: contacts are kept where they were while bodies move by less than 5 cm. Set
+//! `IntegrationParameters::normalized_contact_recycle_distance` to 0.001 there, and damp its
+//! turning a little.
 
 mod dispatcher;
 mod seams;

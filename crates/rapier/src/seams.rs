@@ -1,10 +1,10 @@
 //! Contacts with edges and faces that lie inside of a compound are dropped.
 //!
-//! Each part of a compound is convex and reports contacts by its own surface. Where parts meet, some
-//! of that surface is no surface of the whole: the sides of two tiles that touch, and the edges
-//! between them. What slides over the seam is held by a normal that points backward. Such a contact
-//! is known by its normal: a point `p` of a part is where the whole touches something in the
-//! direction `n` only if no other part goes on from `p` in that direction. In terms of convex
+//! Each part of a compound is convex and reports contacts by its own surface. Where parts meet,
+//! some of that surface is no surface of the whole: the sides of two tiles that touch, and the
+//! edges between them. What slides over the seam is held by a normal that points backward. Such a
+//! contact is known by its normal: a point `p` of a part is where the whole touches something in
+//! the direction `n` only if no other part goes on from `p` in that direction. In terms of convex
 //! geometry, `n` must lie in the normal cone at `p` of each part that `p` belongs to.
 
 use rapier3d::parry::bounding_volume::Aabb;
@@ -12,12 +12,13 @@ use rapier3d::parry::math::{Pose, Real, Vector};
 use rapier3d::parry::query::ContactManifold;
 use rapier3d::parry::shape::{Compound, ConvexPolyhedron, Shape};
 
-/// How far from a part's surface a point still belongs to it, as a share of the compound's extent. Parts
-/// that are meant to touch differ by the rounding of `f32`, and by what tools that write them cut off.
+/// How far from a part's surface a point still belongs to it, as a share of the compound's extent.
+/// Parts that are meant to touch differ by the rounding of `f32`, and by what tools that write them
+/// cut off.
 const TOLERANCE: Real = 1e-4;
 
-/// The same as a share of the extent of what touches the compound: a marble on the floor of a castle must
-/// not take the foot of a wall for the floor.
+/// The same as a share of the extent of what touches the compound: a marble on the floor of a
+/// castle must not take the foot of a wall for the floor.
 const TOLERANCE_OF_OTHER: Real = 0.01;
 
 /// The sine of the angle by which a normal may leave a normal cone: a fifth of a degree, more than
@@ -50,9 +51,9 @@ impl Side {
     }
 }
 
-/// Drops the contacts of `other` with what lies inside of a compound, the `side` of a pair. Of contacts
-/// that exclude each other the deepest stays, so that no body loses its last one. O(n²) in the
-/// manifolds with contacts.
+/// Drops the contacts of `other` with what lies inside of a compound, the `side` of a pair. Of
+/// contacts that exclude each other the deepest stays, so that no body loses its last one. O(n²) in
+/// the manifolds with contacts.
 pub(super) fn drop_inner_contacts<M, C>(
     compound: &Compound,
     other: &dyn Shape,
@@ -95,8 +96,8 @@ fn smallest_distance<M, C>(manifold: &ContactManifold<M, C>) -> Option<Real> {
     manifold.points.iter().map(|point| point.dist).min_by(Real::total_cmp)
 }
 
-/// Whether all points of a manifold belong to another part of the compound, in whose normal cones the
-/// manifold's normal does not lie.
+/// Whether all points of a manifold belong to another part of the compound, in whose normal cones
+/// the manifold's normal does not lie.
 fn is_inside<M, C>(
     compound: &Compound,
     side: Side,
@@ -123,8 +124,8 @@ fn is_inside<M, C>(
 /// Whether a convex shape has a point, and goes on from there in a direction.
 fn goes_on(shape: &dyn Shape, point: Vector, direction: Vector, tolerance: Real) -> bool {
     let mut rest = direction;
-    // The direction's projection onto the cone of all ways from the point into the shape: what is left
-    // lies in the normal cone.
+    // The direction's projection onto the cone of all ways from the point into the shape: what is
+    // left lies in the normal cone.
     for _ in 0..ROUNDS {
         let Some(next) = project(shape, point, rest, tolerance) else {
             return false;
@@ -134,8 +135,8 @@ fn goes_on(shape: &dyn Shape, point: Vector, direction: Vector, tolerance: Real)
     rest.length() > LARGEST_SINE
 }
 
-/// Takes from a direction what leads out of the shape through the faces at a point. `None` where the
-/// point does not belong to the shape.
+/// Takes from a direction what leads out of the shape through the faces at a point. `None` where
+/// the point does not belong to the shape.
 fn project(shape: &dyn Shape, point: Vector, direction: Vector, tolerance: Real) -> Option<Vector> {
     let mut rest = direction;
     let mut apply = |normal: Vector, distance: Real| {

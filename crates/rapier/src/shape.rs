@@ -57,8 +57,8 @@ pub enum ColliderError {
     Mesh(#[from] Error),
 }
 
-/// The hull of points multiplied by `scale`, in single precision: convex and closed, with volume, wound outward. A
-/// negative factor mirrors. O(n log n) in the points.
+/// The hull of points multiplied by `scale`, in single precision: convex and closed, with volume,
+/// wound outward. A negative factor mirrors. O(n log n) in the points.
 ///
 /// # Errors
 /// The reason of [`ColliderError::UnusableHull`].
@@ -73,7 +73,8 @@ fn scaled_hull(
 }
 
 /// A hull that Parry refuses is tried again with these tolerances, as shares of its extent: Parry
-/// loses faces to slivers. From the usual one, of what was rounded, to what shows on a hull a metre wide.
+/// loses faces to slivers. From the usual one, of what was rounded, to what shows on a hull a metre
+/// wide.
 const TOLERANCES: [f64; 4] = [DEFAULT_TOLERANCE, 1e-5, 1e-4, 1e-3];
 
 /// The same hull with fewer and fewer slivers, for those that Parry refuses.
@@ -258,15 +259,17 @@ fn bounding_box(points: &[[f32; 3]]) -> (Pose, SharedShape) {
 /// run along it in opposite directions, and no triangle names a vertex twice or one that is not
 /// there.
 ///
-/// Parry's `ConvexPolyhedron::from_convex_mesh` relies on this without looking: it indexes with what it is given,
-/// asserts that neighbours are wound alike, and reads the first face of what it made at every contact.
+/// Parry's `ConvexPolyhedron::from_convex_mesh` relies on this without looking: it indexes with
+/// what it is given, asserts that neighbours are wound alike, and reads the first face of what it
+/// made at every contact.
 fn is_closed(points: usize, triangles: &[[u32; 3]]) -> bool {
     let exists = |&vertex: &u32| (vertex as usize) < points;
     if triangles.is_empty() || !triangles.as_flattened().iter().all(exists) {
         return false;
     }
-    // Edges that run up to the vertex with the larger number, and those that run down, as one number each: sorting
-    // numbers takes a quarter of the time of sorting pairs, and this is done for each hull of a collider.
+    // Edges that run up to the vertex with the larger number, and those that run down, as one
+    // number each: sorting numbers takes a quarter of the time of sorting pairs, and this is done
+    // for each hull of a collider.
     let half = triangles.len() * 3 / 2;
     let (mut up, mut down) = (Vec::with_capacity(half), Vec::with_capacity(half));
     for &[a, b, c] in triangles {
@@ -281,11 +284,12 @@ fn is_closed(points: usize, triangles: &[[u32; 3]]) -> bool {
     up == down && up.is_sorted_by(|edge, next| edge < next)
 }
 
-/// The same as [`shape`](shape()) of a file's hulls, with a box, ball or capsule for each hull that is one
-/// within what the verified errors leave of the bound: neither hulls nor mesh come to be farther apart than the
-/// bound says. Physics engines are faster with these.
+/// The same as [`shape`](shape()) of a file's hulls, with a box, ball or capsule for each hull that
+/// is one within what the verified errors leave of the bound: neither hulls nor mesh come to be
+/// farther apart than the bound says. Physics engines are faster with these.
 ///
-/// Hulls stay as they are where no bound was verified, and where the factors of `scale` differ: a scaled ball is none.
+/// Hulls stay as they are where no bound was verified, and where the factors of `scale` differ: a
+/// scaled ball is none.
 ///
 /// ```
 /// use hullwright::hulls_format::HullsFile;
@@ -337,8 +341,8 @@ pub fn shape_with_primitives(
     Ok(SharedShape::compound(parts))
 }
 
-/// Where a primitive is in the scaled collider. A negative factor mirrors through the origin, which makes no
-/// difference to a primitive about its centre. `None` for one without a shape of Parry.
+/// Where a primitive is in the scaled collider. A negative factor mirrors through the origin, which
+/// makes no difference to a primitive about its centre. `None` for one without a shape of Parry.
 fn primitive_part(primitive: Primitive, factor: f32) -> Option<(Pose, SharedShape)> {
     let place = |point: [f64; 3]| Vector::from(point.map(|x| x as f32)) * factor;
     let size = |length: f64| length as f32 * factor.abs();
@@ -372,11 +376,12 @@ pub fn hull_from_shape(shape: &ConvexPolyhedron) -> ConvexHull {
     ConvexHull { points, triangles }
 }
 
-/// Parry's triangle mesh of a mesh, for bodies that don't move. Triangles with an index out of range or
-/// a corner that is not finite in `f32` are left out. O(n log n).
+/// Parry's triangle mesh of a mesh, for bodies that don't move. Triangles with an index out of
+/// range or a corner that is not finite in `f32` are left out. O(n log n).
 ///
 /// # Errors
-/// [`ColliderError::TriangleMesh`] says why Parry refuses, [`ColliderError::Mesh`] that nothing is left.
+/// [`ColliderError::TriangleMesh`] says why Parry refuses, [`ColliderError::Mesh`] that nothing is
+/// left.
 pub fn triangle_mesh<'a>(
     mesh: impl Into<MeshView<'a>>,
     flags: TriMeshFlags,

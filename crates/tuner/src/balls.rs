@@ -17,7 +17,8 @@ const SPEED: f32 = 7.0;
 /// How far from the target's middle balls may be aimed, in radii of what is seen.
 const SPREAD: f32 = 0.35;
 
-/// The angle by which each ball's aim differs from the one before: spread over a disc without a gap.
+/// The angle by which each ball's aim differs from the one before: spread over a disc without a
+/// gap.
 const GOLDEN_ANGLE: f32 = 2.399_963;
 
 /// How far in front of the eye they begin, as a share of its distance to the target.

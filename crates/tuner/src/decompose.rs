@@ -18,7 +18,8 @@ use hullwright_demos::hulls::{Piece, pieces};
 
 use crate::model::{Library, Model, SIZE};
 
-/// Mass per cubed metre of the stage: light enough for balls to move things, heavy enough to move balls.
+/// Mass per cubed metre of the stage: light enough for balls to move things, heavy enough to move
+/// balls.
 const DENSITY: f64 = 60.0;
 
 /// What the controls say.
@@ -90,7 +91,8 @@ pub struct Fit {
     pub mass: ColliderMassProperties,
     /// What the collider is made of.
     pub pieces: Vec<Piece>,
-    /// With a probe: the mesh, which stops the ball at the pointer, and the surface of what no ball reaches. On the stage.
+    /// With a probe: the mesh, which stops the ball at the pointer, and the surface of what no ball
+    /// reaches. On the stage.
     pub probed: Option<(SharedShape, TriangleMesh)>,
 }
 
@@ -159,8 +161,8 @@ fn on_stage(model: &Model, hull: &Hull) -> Hull {
     hull
 }
 
-/// A thread for jobs. Bevy's own pool for long work has one thread on a small machine: while a job had it, no
-/// file was read and no picture written.
+/// A thread for jobs. Bevy's own pool for long work has one thread on a small machine: while a job
+/// had it, no file was read and no picture written.
 fn worker() -> &'static TaskPool {
     static WORKER: OnceLock<TaskPool> = OnceLock::new();
     WORKER.get_or_init(|| {

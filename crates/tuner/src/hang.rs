@@ -3,7 +3,8 @@
 
 use bevy::prelude::*;
 
-/// Cells along the longer side of a shadow: a hole of a fiftieth of the mesh is still some cells wide.
+/// Cells along the longer side of a shadow: a hole of a fiftieth of the mesh is still some cells
+/// wide.
 const CELLS: usize = 160;
 
 /// Empty cells around the shadow, so that all outside of it is one.

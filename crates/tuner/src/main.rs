@@ -39,8 +39,8 @@ use tour::{Tour, Watched};
 /// Width of what is on the stage, in metres.
 const STAGE: f32 = 3.4;
 
-/// Bevy's fixed steps in a second. Nothing here uses them, and Bevy's own 64 make a long frame longer: what it missed is
-/// caught up with in the next.
+/// Bevy's fixed steps in a second. Nothing here uses them, and Bevy's own 64 make a long frame
+/// longer: what it missed is caught up with in the next.
 const FIXED_RATE: f64 = 4.0;
 
 /// Frames for which all sleeps before `--screenshot`.
@@ -136,8 +136,8 @@ fn main() -> AppExit {
     app.run()
 }
 
-/// Systems run one after the other. All of them together take some milliseconds; beside a job that has all processors,
-/// each thread that one of them is handed to would first wait for its turn.
+/// Systems run one after the other. All of them together take some milliseconds; beside a job that
+/// has all processors, each thread that one of them is handed to would first wait for its turn.
 fn run_in_turn(app: &mut App) {
     for (_, schedule) in app.world_mut().resource_mut::<Schedules>().iter_mut() {
         schedule.set_executor(SingleThreadedExecutor::new());

@@ -19,8 +19,8 @@ pub const BUNDLED: [&str; 14] = [
     "l_prism", "u_prism", "plus",
 ];
 
-/// The diagonal that every mesh has on the stage, in metres, however large it is in its file: Rapier's
-/// tolerances are lengths, and so is the camera's distance.
+/// The diagonal that every mesh has on the stage, in metres, however large it is in its file:
+/// Rapier's tolerances are lengths, and so is the camera's distance.
 pub const SIZE: f64 = 2.0;
 
 /// A mesh and how it stands on the stage.

@@ -1,4 +1,5 @@
-//! What stands on the stage: the model to be looked at, or as a body that falls, hangs or is stacked.
+//! What stands on the stage: the model to be looked at, or as a body that falls, hangs or is
+//! stacked.
 
 use std::sync::Arc;
 
@@ -32,8 +33,8 @@ const HOOK_SHARE: f32 = 0.45;
 /// Room under what hangs, in metres.
 const UNDER: f32 = 0.35;
 
-/// Things turn as in air. What hangs is damped more: a swing loses as much as Rapier's contacts, which stay where they
-/// are during a step, give it, and comes to rest in some seconds.
+/// Things turn as in air. What hangs is damped more: a swing loses as much as Rapier's contacts,
+/// which stay where they are during a step, give it, and comes to rest in some seconds.
 const AIR: Damping = Damping { linear_damping: 0.1, angular_damping: 0.5 };
 const HANGING: Damping = Damping { linear_damping: 0.1, angular_damping: 1.5 };
 

@@ -103,7 +103,8 @@ impl HullArrays {
         self.index_counts.clone()
     }
 
-    /// The verified protrusion of each hull, in the mesh's units; not a number where nothing was verified.
+    /// The verified protrusion of each hull, in the mesh's units; not a number where nothing was
+    /// verified.
     #[wasm_bindgen(getter)]
     pub fn protrusions(&self) -> Vec<f64> {
         self.protrusions.clone()

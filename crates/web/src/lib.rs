@@ -1,8 +1,10 @@
-//! The library for JavaScript: what crosses the border of the wasm module, in the forms that cross it cheaply.
+//! The library for JavaScript: what crosses the border of the wasm module, in the forms that cross
+//! it cheaply.
 //!
-//! Arrays of numbers are flat; parameters are the text that [`Parameters`](hullwright::Parameters) reads; reports are JSON.
-//! The package in `npm/` gives all of that its public form and runs it in a worker. Errors are JavaScript's `Error` with a
-//! `code`; a panic is one with the code `trap`, after which the module must not be used again.
+//! Arrays of numbers are flat; parameters are the text that [`Parameters`](hullwright::Parameters)
+//! reads; reports are JSON. The package in `npm/` gives all of that its public form and runs it in
+//! a worker. Errors are JavaScript's `Error` with a `code`; a panic is one with the code `trap`,
+//! after which the module must not be used again.
 //!
 //! | file | contents |
 //! |---|---|

@@ -8,7 +8,8 @@ use wasm_bindgen::prelude::{JsValue, wasm_bindgen};
 
 use crate::errors::argument;
 
-/// Positions, three numbers a vertex; indices, three a triangle; and for each triangle whether both its sides are drawn.
+/// Positions, three numbers a vertex; indices, three a triangle; and for each triangle whether both
+/// its sides are drawn.
 #[wasm_bindgen]
 pub struct Mesh {
     pub(crate) mesh: TriangleMesh,

@@ -1,4 +1,5 @@
-//! A decomposition that stays: its hulls in every state of the merge tree, and all that a page of `hullwright view` shows.
+//! A decomposition that stays: its hulls in every state of the merge tree, and all that a page of
+//! `hullwright view` shows.
 
 use hullwright::surface::SurfaceParameters;
 use hullwright::{
@@ -27,7 +28,8 @@ pub struct Shown {
 #[wasm_bindgen]
 impl Shown {
     /// Decomposes a mesh, joins the hulls, and measures all of them. `settings` is
-    /// [`Parameters`](hullwright::Parameters) as text; with `compares`, the paper's hulls stand beside.
+    /// [`Parameters`](hullwright::Parameters) as text; with `compares`, the paper's hulls stand
+    /// beside.
     ///
     /// # Errors
     /// The library's.

@@ -1,6 +1,7 @@
 //! The plugin in a browser: a game without a window, whose page counts and times the frames.
 //!
-//! 300 props take baked hulls by their names, and 50 are decomposed; or all have boxes instead, for comparison.
+//! 300 props take baked hulls by their names, and 50 are decomposed; or all have boxes instead, for
+//! comparison.
 #![cfg(all(target_family = "wasm", target_os = "unknown"))]
 
 use std::cell::Cell;
@@ -37,8 +38,8 @@ pub struct Game {
 
 #[wasm_bindgen]
 impl Game {
-    /// `mode` is `worker`, `slices`, `cached` for workers and a cache, `cached-some` for one that is too small, or `boxes`
-    /// for no decomposition. The files for workers are in `folder`.
+    /// `mode` is `worker`, `slices`, `cached` for workers and a cache, `cached-some` for one that
+    /// is too small, or `boxes` for no decomposition. The files for workers are in `folder`.
     #[wasm_bindgen(constructor)]
     pub fn new(mode: &str, folder: &str) -> Game {
         let mut app = App::new();
@@ -72,7 +73,8 @@ impl Game {
         let meshes: Vec<_> = (0..DECOMPOSED).map(|number| meshes.add(bumpy_ring(number))).collect();
         for number in 0..BAKED + DECOMPOSED {
             let place = Transform::from_xyz(DISTANCE * number as f32, 0.0, 0.0);
-            // What falls fast costs Rapier more with hulls than with a box: it weighs each hull in each step.
+            // What falls fast costs Rapier more with hulls than with a box: it weighs each hull in
+            // each step.
             let body = (RigidBody::Dynamic, GravityScale(0.0), place);
             let mut prop = app.world_mut().spawn(body);
             match number.checked_sub(BAKED) {

@@ -11,8 +11,8 @@ const LARGEST_COORDINATE: f64 = 1e100;
 /// Triangles of one colour that move together when a panel is exploded.
 #[derive(Debug, Clone, Default)]
 pub struct Part {
-    /// What is drawn. Triangles with an index out of range, or with a coordinate that is not finite or
-    /// beyond 1e100, are left out. Winding does not matter.
+    /// What is drawn. Triangles with an index out of range, or with a coordinate that is not finite
+    /// or beyond 1e100, are left out. Winding does not matter.
     pub mesh: TriangleMesh,
     /// Its colour in full light.
     pub colour: Colour,

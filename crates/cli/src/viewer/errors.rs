@@ -1,7 +1,7 @@
 //! Errors of all hulls together, join after join: uncovered distances, and intersection over union.
 //!
-//! A joint hull holds more than the two that it replaces, so that uncovered distances only fall from join to
-//! join, and few of them do: they are stored as changes.
+//! A joint hull holds more than the two that it replaces, so that uncovered distances only fall
+//! from join to join, and few of them do: they are stored as changes.
 
 use hullwright::measure::MeasuredHulls;
 use hullwright::{Bounds, Error, Hull};
@@ -65,14 +65,14 @@ pub(super) fn uncovered(
 /// Points in the box. Shares scatter by less than half a percent.
 const POINTS: usize = 1 << 16;
 
-/// 1/φ, 1/φ² and 1/φ³ for the root φ of x⁴ = x + 1: fractions of their multiples fill the unit cube evenly
-/// (M. Roberts, "The unreasonable effectiveness of quasirandom sequences", 2018).
+/// 1/φ, 1/φ² and 1/φ³ for the root φ of x⁴ = x + 1: fractions of their multiples fill the unit cube
+/// evenly (M. Roberts, "The unreasonable effectiveness of quasirandom sequences", 2018).
 const STEPS: Vector =
     Vector::new(0.819_172_513_396_164_4, 0.671_043_606_703_789_2, 0.549_700_477_901_970_3);
 
-/// For each state, from all leaves down to one hull, the volume of intersection over union of the solid and
-/// the hulls, by points in the joint bounding box. Each point is tested once against each hull. `parts` are the leaves,
-/// then the joint hulls.
+/// For each state, from all leaves down to one hull, the volume of intersection over union of the
+/// solid and the hulls, by points in the joint bounding box. Each point is tested once against each
+/// hull. `parts` are the leaves, then the joint hulls.
 pub(super) fn overlaps(
     parts: &[MeasuredHulls],
     leaves: usize,

@@ -1,8 +1,9 @@
 //! A page that shows a mesh and its hulls in any browser .
 //!
 //! A [`Page`] holds a mesh and one or more [`HullSet`]s, which are shown side by side. With a
-//! [`MergeTree`](hullwright::MergeTree) the page has a slider from all hulls down to one. It is one HTML file that loads
-//! nothing: the viewer is built from `viewer/` in the repository, the geometry follows as text.
+//! [`MergeTree`](hullwright::MergeTree) the page has a slider from all hulls down to one. It is one
+//! HTML file that loads nothing: the viewer is built from `viewer/` in the repository, the geometry
+//! follows as text.
 //!
 //! ```
 //! # fn main() -> Result<(), hullwright::Error> {
@@ -55,7 +56,8 @@ pub struct Page<'a> {
 
 impl<'a> Page<'a> {
     /// A page without hulls yet. Of `parameters` the bound and the openings count: errors are shown
-    /// against that bound, and the mesh with those openings closed; with a probe, what it does not reach is shown too.
+    /// against that bound, and the mesh with those openings closed; with a probe, what it does not
+    /// reach is shown too.
     ///
     /// # Errors
     /// As [`close_openings`](hullwright::close_openings).
@@ -102,7 +104,8 @@ impl<'a> Page<'a> {
         document::page(&self.document, &self.geometry).map_err(|error| unwritable("page", error))
     }
 
-    /// What the page is filled with, for a viewer that has it from elsewhere: its text, and the bytes of its arrays.
+    /// What the page is filled with, for a viewer that has it from elsewhere: its text, and the
+    /// bytes of its arrays.
     ///
     /// # Errors
     /// As [`to_html`](Self::to_html).

@@ -66,11 +66,12 @@ pub(super) fn corners(positions: &[[f64; 3]], triangles: &[[u32; 3]]) -> Vec<[Ve
     triangles.iter().map(|[a, b, c]| [corner(a), corner(b), corner(c)]).collect()
 }
 
-// The points at which errors are given: each triangle has a regular lattice of them, the finer the larger it
-// is. The page divides triangles in the same way, so that only a byte per point is stored.
+// The points at which errors are given: each triangle has a regular lattice of them, the finer the
+// larger it is. The page divides triangles in the same way, so that only a byte per point is
+// stored.
 
-/// Distance of neighbouring points as a fraction of the diagonal, where there is room for as many points as that
-/// takes: a protrusion between them is drawn a third too small at worst.
+/// Distance of neighbouring points as a fraction of the diagonal, where there is room for as many
+/// points as that takes: a protrusion between them is drawn a third too small at worst.
 const SPACING: f64 = 1.0 / 64.0;
 
 /// Factor by which the spacing grows until the points are few enough.
@@ -104,8 +105,8 @@ pub(super) fn points_of(parts: u8) -> usize {
     (parts + 1) * (parts + 2) / 2
 }
 
-/// All points, triangle by triangle: along the second edge within along the first. Corners are what they
-/// are, without rounding, so that triangles share them.
+/// All points, triangle by triangle: along the second edge within along the first. Corners are what
+/// they are, without rounding, so that triangles share them.
 pub(super) fn points(corners: &[[Vector; 3]], divisions: &[u8]) -> Vec<Vector> {
     let mut points = Vec::new();
     for (&[a, b, c], &parts) in corners.iter().zip(divisions) {

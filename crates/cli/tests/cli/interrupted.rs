@@ -9,8 +9,8 @@ use hullwright_formats::read_hulls;
 
 use crate::{PROGRAM, asset};
 
-/// Kills, spread over the time that a whole run takes. Wherever they fall on another machine, the promise is
-/// the same.
+/// Kills, spread over the time that a whole run takes. Wherever they fall on another machine, the
+/// promise is the same.
 const KILLS: u32 = 16;
 
 fn decompose(output: &Path) -> Command {
@@ -58,7 +58,8 @@ fn a_killed_command_leaves_the_old_file_or_the_whole_new_one() {
     }
 }
 
-/// The limit on a file's size stands for a full disk: it needs no permissions. Windows has no such limit.
+/// The limit on a file's size stands for a full disk: it needs no permissions. Windows has no such
+/// limit.
 #[cfg(unix)]
 #[test]
 fn a_command_that_can_not_write_the_whole_file_leaves_the_old_one() {

@@ -8,8 +8,8 @@ use bevy_rapier3d::prelude::*;
 use hullwright_demos::Stage;
 use hullwright_demos::orbit::Orbit;
 
-/// Each bowl's place on the floor, how many times as large as the model it is, its glaze, and how many
-/// balls it gets.
+/// Each bowl's place on the floor, how many times as large as the model it is, its glaze, and how
+/// many balls it gets.
 const BOWLS: [(Vec2, f32, Color, usize); 3] = [
     (Vec2::new(-1.75, 0.35), 8.0, Color::srgb(0.93, 0.91, 0.86), 26),
     (Vec2::new(0.25, -0.55), 11.0, Color::srgb(0.30, 0.45, 0.52), 60),

@@ -1,5 +1,5 @@
-//! A desk that an artist has tagged, and clutter on it: in `props.glb` the name `mug-convdecomp`, the
-//! pieces `UCX_table_…` and an extra on the lamp ask for colliders; the leaf has no tag and no
+//! A desk that an artist has tagged, and clutter on it: in `props.glb` the name `mug-convdecomp`,
+//! the pieces `UCX_table_…` and an extra on the lamp ask for colliders; the leaf has no tag and no
 //! collider. What is dropped on the desk is tagged in code: `cargo window gltf_scene`.
 
 use bevy::prelude::*;
@@ -14,8 +14,8 @@ const SCALE: f32 = 3.0;
 /// Convex pieces made by an artist; they are colliders and not drawn.
 const PIECE: &str = "UCX_";
 
-/// A model, where its foot is before it falls, in metres of the model, and how it is turned about the
-/// vertical and about the axis from left to right, in radians.
+/// A model, where its foot is before it falls, in metres of the model, and how it is turned about
+/// the vertical and about the axis from left to right, in radians.
 const CLUTTER: [(&str, Vec3, [f32; 2]); 9] = [
     ("teapot.glb", Vec3::new(-0.02, 0.76, -0.20), [0.5, 0.0]),
     ("bowl.glb", Vec3::new(0.02, 0.76, 0.16), [0.0, 0.0]),
@@ -58,8 +58,8 @@ fn open_desk(mut commands: Commands, server: Res<AssetServer>) {
     commands.spawn((
         WorldAssetRoot(server.load(GltfAssetLabel::Scene(0).from_asset("props.glb"))),
         Transform::from_scale(Vec3::splat(SCALE)),
-        // What the file does not tag is left alone. With the default bound the mug has a corner under its foot, of a
-        // third of a millimetre, and rocks on it for minutes.
+        // What the file does not tag is left alone. With the default bound the mug has a corner
+        // under its foot, of a third of a millimetre, and rocks on it for minutes.
         ConvexDecompositionHierarchy::tagged_only().with("mug-convdecomp", clutter_tag()),
     ));
 }

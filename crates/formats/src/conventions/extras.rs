@@ -184,7 +184,8 @@ fn all_keys() -> String {
 }
 
 impl ExtrasTag {
-    /// What its hulls are made with; `None` where no hulls are made. `base` is for what it says nothing of.
+    /// What its hulls are made with; `None` where no hulls are made. `base` is for what it says
+    /// nothing of.
     pub fn parameters(&self, base: &Method) -> Option<Method> {
         let kind = self.kind?;
         let mut parameters = base.bounded_parameters();

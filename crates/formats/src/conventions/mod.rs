@@ -1,6 +1,6 @@
-//! Names and glTF extras that give meshes colliders: Godot 4's suffixes, our `-convdecomp` beside them,
-//! Unreal's prefixes, and `{"collider": "convex_decomposition"}`. The Bevy plugin and `hullwright bake` follow
-//! the same rules.
+//! Names and glTF extras that give meshes colliders: Godot 4's suffixes, our `-convdecomp` beside
+//! them, Unreal's prefixes, and `{"collider": "convex_decomposition"}`. The Bevy plugin and
+//! `hullwright bake` follow the same rules.
 
 #[cfg(feature = "extras")]
 mod extras;

@@ -22,8 +22,8 @@ pub enum ColliderKind {
 }
 
 impl ColliderKind {
-    /// What hulls of this kind are made with; `None` where no hulls are made. `base` is for what the artist
-    /// says nothing of.
+    /// What hulls of this kind are made with; `None` where no hulls are made. `base` is for what
+    /// the artist says nothing of.
     pub fn parameters(self, base: &Method) -> Option<Method> {
         match self {
             Self::Decomposition | Self::Hulls => Some(base.clone()),
@@ -47,7 +47,8 @@ pub enum NameTag<'a> {
     ColliderOnly(ColliderKind),
     /// A collider for this mesh, which is a body that moves by itself.
     Body(ColliderKind),
-    /// The mesh is itself a piece of the collider of another, and not drawn. [`whole_of`] says which.
+    /// The mesh is itself a piece of the collider of another, and not drawn. [`whole_of`] says
+    /// which.
     PieceOf {
         /// What follows the prefix.
         rest: &'a str,
@@ -69,8 +70,9 @@ impl NameTag<'_> {
     }
 }
 
-/// Suffixes of nodes, each after those that contain it. Of Godot's others, `-occ` and `-vcol` leave a mesh as
-/// it is, and `-vehicle`, `-wheel`, `-loop` and `-cycle` are about other things than colliders.
+/// Suffixes of nodes, each after those that contain it. Of Godot's others, `-occ` and `-vcol` leave
+/// a mesh as it is, and `-vehicle`, `-wheel`, `-loop` and `-cycle` are about other things than
+/// colliders.
 const NODE_SUFFIXES: [(&str, NameTag<'static>); 10] = [
     ("noimp", NameTag::LeftOut),
     ("colonly", NameTag::ColliderOnly(ColliderKind::Triangles)),
@@ -138,8 +140,8 @@ fn suffix_tag(name: &str, suffixes: &[(&str, NameTag<'static>)]) -> Option<NameT
     suffixes.iter().find(|(suffix, _)| has(suffix)).map(|(_, tag)| *tag)
 }
 
-/// The mesh that a piece belongs to: that of the whole rest of its name, else of the rest up to its last
-/// underscore, whatever comes after it. `exists` says whether there is a mesh of a name.
+/// The mesh that a piece belongs to: that of the whole rest of its name, else of the rest up to its
+/// last underscore, whatever comes after it. `exists` says whether there is a mesh of a name.
 pub fn whole_of(rest: &str, exists: impl Fn(&str) -> bool) -> &str {
     match rest.rsplit_once('_') {
         Some((head, _)) if !exists(rest) => head,
@@ -155,8 +157,8 @@ pub fn without_copy_number(name: &str) -> &str {
     }
 }
 
-/// The level of detail that a name ends in, and what comes before it: `tree_LOD2` is level 2 of `tree`. `None` for a
-/// name without.
+/// The level of detail that a name ends in, and what comes before it: `tree_LOD2` is level 2 of
+/// `tree`. `None` for a name without.
 ///
 /// ```
 /// use hullwright_formats::conventions::level_of_detail;
@@ -174,11 +176,12 @@ pub fn level_of_detail(name: &str) -> Option<(&str, u32)> {
     (mark.eq_ignore_ascii_case(LEVEL) && !stem.is_empty()).then_some((stem, level))
 }
 
-/// What stands before the number of a level of detail, as Unreal, Unity and Blender's exporters write it.
+/// What stands before the number of a level of detail, as Unreal, Unity and Blender's exporters
+/// write it.
 const LEVEL: &str = "lod";
 
-/// Whether a name is that of a coarser level of detail of a mesh that `others` have, too. A coarse level alone is all
-/// that there is of the mesh.
+/// Whether a name is that of a coarser level of detail of a mesh that `others` have, too. A coarse
+/// level alone is all that there is of the mesh.
 pub fn is_coarser_level<'a>(name: &str, others: impl IntoIterator<Item = &'a str>) -> bool {
     let Some((stem, level)) = level_of_detail(name) else { return false };
     others.into_iter().any(|other| match level_of_detail(other) {

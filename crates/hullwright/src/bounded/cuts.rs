@@ -38,8 +38,8 @@ struct Segment {
     triangle: Option<u32>,
 }
 
-/// Cuts along a plane, given by heights over it, from the edges of notches on. O(n) for n triangles, and O(m log m) for m of
-/// them in the plane.
+/// Cuts along a plane, given by heights over it, from the edges of notches on. O(n) for n
+/// triangles, and O(m log m) for m of them in the plane.
 pub(super) fn cut(
     mesh: &mut CutMesh,
     height: impl Fn(Vector) -> f64,

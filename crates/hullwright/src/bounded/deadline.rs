@@ -1,8 +1,8 @@
 //! What a deadline changes. It is soft: what a result needs is finished, the rest is left out.
 //!
-//! Where little time is left the surface is divided coarsely, and the search ends while there is time to
-//! verify what it has found. Once there is a result, nothing is begun after the deadline, and what was
-//! begun ends there.
+//! Where little time is left the surface is divided coarsely, and the search ends while there is
+//! time to verify what it has found. Once there is a result, nothing is begun after the deadline,
+//! and what was begun ends there.
 
 use std::time::Duration;
 
@@ -10,12 +10,12 @@ use super::settings::Settings;
 use crate::control::Control;
 use crate::error::Error;
 
-/// Where less time is left than this multiple of the solid's time, the surface is divided as by the fastest
-/// preset.
+/// Where less time is left than this multiple of the solid's time, the surface is divided as by the
+/// fastest preset.
 const HURRIED_BELOW: f64 = 2.3;
 
-/// Before a deadline, this multiple of the time of the stages before merging is kept for finalizing, which
-/// takes 0.35 times as long in the median, and 1.5 times for one mesh of ten.
+/// Before a deadline, this multiple of the time of the stages before merging is kept for
+/// finalizing, which takes 0.35 times as long in the median, and 1.5 times for one mesh of ten.
 const KEPT_FOR_FINALIZING: f64 = 1.0;
 
 /// The deadline of a control, and whether it has cut the work short.
@@ -30,8 +30,8 @@ impl Deadline {
         Self { control: control.clone(), has_result: false, is_cut_short: false }
     }
 
-    /// Settings for dividing the surface, where the solid has taken `taken`: hurried ones if little time is
-    /// left.
+    /// Settings for dividing the surface, where the solid has taken `taken`: hurried ones if little
+    /// time is left.
     ///
     /// # Errors
     /// [`Error::DeadlineExceeded`] where a pass has a result: a hurried one would not be better.
@@ -51,8 +51,8 @@ impl Deadline {
         Ok(settings.hurried())
     }
 
-    /// A control for the search, whose deadline leaves time to verify; the stages before it have taken
-    /// `taken`.
+    /// A control for the search, whose deadline leaves time to verify; the stages before it have
+    /// taken `taken`.
     pub(crate) fn for_search(&self, control: &Control, taken: Duration) -> Control {
         control.with_sooner_deadline(taken.mul_f64(KEPT_FOR_FINALIZING))
     }

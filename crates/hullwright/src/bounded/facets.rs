@@ -1,9 +1,9 @@
 //! Facets: the surface of a coarse mesh, divided where its shape requires it.
 //!
-//! A facet is a planar part of the surface. Where faces meet at a reflex edge (a notch), no hull that
-//! fits holds both sides of it. The solid is cut along the plane of one of the faces (Chazelle, "Convex
-//! partitions of polyhedra", 1984: one plane resolves a notch), and the cut's curve on the surface bounds
-//! facets. So hulls end where the shape does, at any bound.
+//! A facet is a planar part of the surface. Where faces meet at a reflex edge (a notch), no hull
+//! that fits holds both sides of it. The solid is cut along the plane of one of the faces
+//! (Chazelle, "Convex partitions of polyhedra", 1984: one plane resolves a notch), and the cut's
+//! curve on the surface bounds facets. So hulls end where the shape does, at any bound.
 //!
 //! 1. Triangles in one plane form a group.
 //! 2. Reflex edges between groups are notches, each with its depth.
@@ -11,8 +11,8 @@
 //!
 //! O(n log n) for n triangles and each plane.
 //!
-//! Where a constant says how many hulls another value gives, they are those of 196 shared and bundled meshes of up to
-//! 2,400 triangles, which have 2,507 hulls in all.
+//! Where a constant says how many hulls another value gives, they are those of 196 shared and
+//! bundled meshes of up to 2,400 triangles, which have 2,507 hulls in all.
 
 use super::cuts::{CutMesh, cut};
 use super::settings::Settings;
@@ -21,24 +21,23 @@ use crate::mesh::TriangleMesh;
 use crate::mesh::adjacency::{Adjacency, NO_NEIGHBOUR};
 use crate::mesh::refine::edge;
 
-/// Vertices this near to a plane are in it, as a fraction of the bound. A hull may leave as much uncovered.
+/// Vertices this near to a plane are in it, as a fraction of the bound. A hull may leave as much
+/// uncovered.
 const FLATNESS: f64 = 0.05;
 
-/// A notch that is less deep needs no cut: a hull across it protrudes by its depth at most. As a fraction of
-/// the bound. With 0.5, 19 hard props had 303 hulls instead of 309, in 16 % more time.
+/// A notch that is less deep needs no cut: a hull across it protrudes by its depth at most. As a
+/// fraction of the bound.
 const LEAST_DEPTH: f64 = 1.5;
 
 /// Planes that a mesh is cut along at most, those of the most important notches: curved concave
 /// surfaces have a notch at each edge, and their facets are small without cuts.
 const MAX_PLANES: usize = 48;
 
-/// No cut once there are this many triangles for each of the mesh's own, and [`MAX_ADDED`] more: the time of the stages
-/// after this one grows with the triangles. With 1, and none added, there are 2,528 hulls. With 2 one mesh has other
-/// hulls, with 6 none: it is as small as does not cost hulls.
+/// No cut once there are this many triangles for each of the mesh's own, and [`MAX_ADDED`] more:
+/// the time of the stages after this one grows with the triangles.
 const MAX_GROWTH: usize = 3;
 
-/// Small meshes may grow by more, a box with many notches above all. With 200 five meshes have other hulls, as many in
-/// all; with 4,000 none has.
+/// Small meshes may grow by more, a box with many notches above all.
 const MAX_ADDED: usize = 1000;
 
 /// Notches beyond this number are left out, the least important first: they make a surface that
@@ -46,12 +45,12 @@ const MAX_ADDED: usize = 1000;
 const MAX_NOTCHES: usize = 512;
 
 /// Cosine of the greatest angle between a triangle and its group's plane. Slivers are in the plane
-/// by their vertices, whatever their normal. With 0.7 no mesh has other hulls, with 0.98 three have, as many in all: the
-/// vertices' distance from the plane decides first.
+/// by their vertices, whatever their normal. With 0.7 no mesh has other hulls, with 0.98 three
+/// have, as many in all: the vertices' distance from the plane decides first.
 const MIN_COSINE: f64 = 0.9;
 
-/// A triangle of a height below this multiple of the flatness is a sliver: its vertices may be off by the flatness on
-/// either side, so its normal means nothing. With 1 two meshes have other hulls, with 4 none.
+/// A triangle of a height below this multiple of the flatness is a sliver: its vertices may be off
+/// by the flatness on either side, so its normal means nothing.
 const SLIVER: f64 = 2.0;
 
 /// A surface divided into facets.
@@ -113,8 +112,9 @@ fn cut_along(mesh: &mut CutMesh, groups: &PlanarGroups, mut notches: Vec<Notch>)
     }
 }
 
-/// For each triangle the connected part of the surface that it is in. Parts end where `is_wall` holds for
-/// a triangle, its edge, and the neighbour there. They count up in the order of their first triangles.
+/// For each triangle the connected part of the surface that it is in. Parts end where `is_wall`
+/// holds for a triangle, its edge, and the neighbour there. They count up in the order of their
+/// first triangles.
 pub(super) fn components(
     adjacency: &Adjacency,
     is_wall: impl Fn(u32, usize, u32) -> bool,

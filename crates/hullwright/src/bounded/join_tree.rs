@@ -1,15 +1,17 @@
-//! The tree of joins: from hulls on down to one, the pair whose joint hull protrudes least joins first.
+//! The tree of joins: from hulls on down to one, the pair whose joint hull protrudes least joins
+//! first.
 //!
-//! Each state is a valid result, with an error that is verified like that of the final hulls. Most pairs are only
-//! ever known by a lower bound of their joint hull's protrusion: a joint hull is built and verified once its
-//! pair's bound is the least. O(k² + k · joins) lower bounds for k hulls, and usually few joint hulls per join.
-//! The limit on hulls and [`MergeTree`](crate::MergeTree) stand on it.
+//! Each state is a valid result, with an error that is verified like that of the final hulls. Most
+//! pairs are only ever known by a lower bound of their joint hull's protrusion: a joint hull is
+//! built and verified once its pair's bound is the least. O(k² + k · joins) lower bounds for k
+//! hulls, and usually few joint hulls per join. The limit on hulls and
+//! [`MergeTree`](crate::MergeTree) stand on it.
 //!
-//! The lower bounds: a plane that touches two hulls, with both on one side, touches their joint hull along the bridge
-//! between them. If a point of the bridge is far outside of the solid, the joint hull protrudes as
-//! far. A point below the surface serves as well: the distance to the solid changes no faster than
-//! the position, so its depth is subtracted. That makes each bound valid for all hulls that contain
-//! the two, once the plane has moved.
+//! The lower bounds: a plane that touches two hulls, with both on one side, touches their joint
+//! hull along the bridge between them. If a point of the bridge is far outside of the solid, the
+//! joint hull protrudes as far. A point below the surface serves as well: the distance to the solid
+//! changes no faster than the position, so its depth is subtracted. That makes each bound valid for
+//! all hulls that contain the two, once the plane has moved.
 
 use std::collections::HashMap;
 
@@ -71,8 +73,8 @@ impl JoinTree {
         Ok(tree)
     }
 
-    /// Joins hulls that were returned down to one, and gives their uncovered distance, unless that is
-    /// known. The solid is built anew: a decomposition does not keep it.
+    /// Joins hulls that were returned down to one, and gives their uncovered distance, unless that
+    /// is known. The solid is built anew: a decomposition does not keep it.
     pub(crate) fn from_hulls(
         prepared: &PreparedMesh,
         hulls: &[Hull],
@@ -153,8 +155,8 @@ enum Known {
     Verified(Box<Node>),
 }
 
-/// A lower bound on the joint hull's protrusion, or the verified one. Of equal ones those that are no bound come
-/// first, so that nothing is verified in vain.
+/// A lower bound on the joint hull's protrusion, or the verified one. Of equal ones those that are
+/// no bound come first, so that nothing is verified in vain.
 type ProtrusionOrBound = (Cost, bool);
 
 /// All pairs of hulls that are left.
@@ -337,7 +339,8 @@ enum Effort {
 }
 
 impl Witness {
-    /// The joint hull of two hulls protrudes at least as far. Negative if the witness is too deep in it.
+    /// The joint hull of two hulls protrudes at least as far. Negative if the witness is too deep
+    /// in it.
     fn bound(&self, hulls: [&[Vector]; 2]) -> f64 {
         if self.distance == 0.0 {
             return 0.0;

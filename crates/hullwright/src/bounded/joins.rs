@@ -1,7 +1,9 @@
-//! Pairs of hulls that may join, the cheapest first: one queue for merging, remerging and the tree of joins.
+//! Pairs of hulls that may join, the cheapest first: one queue for merging, remerging and the tree
+//! of joins.
 //!
-//! The queue is lazy. A pair enters with an estimate or a lower bound of its cost, and again with what is known
-//! better once it has come up. A pair one of whose hulls has joined another is skipped when it comes up.
+//! The queue is lazy. A pair enters with an estimate or a lower bound of its cost, and again with
+//! what is known better once it has come up. A pair one of whose hulls has joined another is
+//! skipped when it comes up.
 
 use std::cmp::Ordering;
 use std::collections::BTreeMap;
@@ -42,8 +44,8 @@ impl Ord for Cost {
     }
 }
 
-/// The pairs by cost, equal costs by pair, with what is known of their joint hulls; and which hulls are left.
-/// A pair is in the queue once.
+/// The pairs by cost, equal costs by pair, with what is known of their joint hulls; and which hulls
+/// are left. A pair is in the queue once.
 pub(super) struct PairQueue<C, K> {
     pairs: BTreeMap<(C, Pair), K>,
     is_left: Vec<bool>,

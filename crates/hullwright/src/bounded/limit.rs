@@ -1,6 +1,7 @@
 //! The limit on hulls: hulls join, even beyond the bound, until few enough are left.
 //!
-//! Takes the final hulls of a pass, gives at most as many as the limit allows, and the bound of the next pass.
+//! Takes the final hulls of a pass, gives at most as many as the limit allows, and the bound of the
+//! next pass.
 //!
 //! Joining one pair after the other ends with more error than a search under a larger bound, which
 //! divides the surface anew. So the search is repeated under larger bounds, and of all results that

@@ -1,9 +1,9 @@
 //! Merging: pieces join in pairs, cheapest first, as long as the joint hull fits.
 //!
-//! Takes the seeds of the patches, gives pieces. Greedy agglomeration: first neighbours across an edge, then
-//! all pieces that are near each other. The cost of a pair is the volume that its joint hull adds, as a share
-//! of its own: with the added volume itself there are 7 % more hulls. O(k²) pairs for k pieces of the first
-//! round.
+//! Takes the seeds of the patches, gives pieces. Greedy agglomeration: first neighbours across an
+//! edge, then all pieces that are near each other. The cost of a pair is the volume that its joint
+//! hull adds, as a share of its own: with the added volume itself there are 7 % more hulls. O(k²)
+//! pairs for k pieces of the first round.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -31,8 +31,8 @@ struct Joint {
     only_new: bool,
 }
 
-/// A joint hull is only built once its pair's estimate is the cheapest: before that, most pairs lose one of the
-/// two to another. Boxed, since the queue moves its entries.
+/// A joint hull is only built once its pair's estimate is the cheapest: before that, most pairs
+/// lose one of the two to another. Boxed, since the queue moves its entries.
 type Queue = PairQueue<Cost, Option<Box<Joint>>>;
 
 /// The state of merging. Pieces keep their index; those that have joined another are `None`.
@@ -143,8 +143,8 @@ impl<'a> Merging<'a> {
         self.queue.push(Cost(cost), pair, Some(joint));
     }
 
-    /// Joins the cheapest pairs first. At the start all candidates are evaluated, since nothing is known of their
-    /// costs.
+    /// Joins the cheapest pairs first. At the start all candidates are evaluated, since nothing is
+    /// known of their costs.
     fn run(&mut self, control: &Control) -> Result<(), Error> {
         let pairs: Vec<Pair> = self.queue.pop_all().into_iter().map(|(_, pair, _)| pair).collect();
         let evaluated = parallel::map(&pairs, |&pair| {

@@ -1,5 +1,5 @@
-//! The default method's stages: few hulls under a bound on the error that is verified against the source.
-//! `crates/hullwright/src/decompose.rs` runs them one after the other.
+//! The default method's stages: few hulls under a bound on the error that is verified against the
+//! source. `crates/hullwright/src/decompose.rs` runs them one after the other.
 //!
 //! | stage | file | what it does |
 //! |---|---|---|

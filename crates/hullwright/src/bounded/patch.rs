@@ -44,11 +44,11 @@ pub(crate) struct Patches {
     pub are_across_folds: bool,
     /// Pairs of patches that share an edge.
     pub neighbours: Vec<(u32, u32)>,
-    /// A partition of the patches: parts of one group whose joint hull fits. Merging starts from them, where
-    /// there are no conflicts among their patches.
+    /// A partition of the patches: parts of one group whose joint hull fits. Merging starts from
+    /// them, where there are no conflicts among their patches.
     pub seeds: Vec<Vec<u32>>,
-    /// For each patch those that are not joined with it: a point between the two is outside by more than the search's
-    /// bound.
+    /// For each patch those that are not joined with it: a point between the two is outside by more
+    /// than the search's bound.
     pub conflicts: Vec<PatchSet>,
     /// The coarse surface, cut, or its long triangles halved.
     pub surface: TriangleMesh,

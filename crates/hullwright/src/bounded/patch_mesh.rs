@@ -1,9 +1,9 @@
-//! The mesh that is divided into patches: the coarse surface cut into facets, or, if it has many triangles, simplified
-//! and refined.
+//! The mesh that is divided into patches: the coarse surface cut into facets, or, if it has many
+//! triangles, simplified and refined.
 //!
-//! Takes the coarse surface, gives the mesh of which patches are made. Each of its triangles represents the triangles of
-//! the coarse surface that are closest to it. So the hulls of patches cover that surface, and not only what
-//! simplification left of it.
+//! Takes the coarse surface, gives the mesh of which patches are made. Each of its triangles
+//! represents the triangles of the coarse surface that are closest to it. So the hulls of patches
+//! cover that surface, and not only what simplification left of it.
 
 use super::facets::{Facets, facets};
 use super::patch::Patch;
@@ -19,13 +19,13 @@ use crate::mesh::simplification::Simplification;
 use crate::mesh::simplify::simplify;
 use crate::solid::COARSE;
 
-/// Simplification joins nothing, and each component is a patch or more. Of a surface in more components than this the
-/// search, which compares all patches, takes seconds and gigabytes.
+/// Simplification joins nothing, and each component is a patch or more. Of a surface in more
+/// components than this the search, which compares all patches, takes seconds and gigabytes.
 const MOST_COMPONENTS: usize = COARSE / 2;
 
-/// Such components are welded where they are nearer than about this share of the bound, or twice that and so on until
-/// simplification leaves few enough: it removes nothing around vertices where welded components cross. What is made of
-/// them represents the source all the same.
+/// Such components are welded where they are nearer than about this share of the bound, or twice
+/// that and so on until simplification leaves few enough: it removes nothing around vertices where
+/// welded components cross. What is made of them represents the source all the same.
 const CRACK: f64 = 0.1;
 
 /// The mesh, and the surface that its triangles represent.
@@ -178,8 +178,8 @@ impl PatchMesh {
     }
 }
 
-/// The same triangles, with vertices in the same cell of a lattice as one, and their components: what is connected by then
-/// gets the label of its first triangle. O(n log n).
+/// The same triangles, with vertices in the same cell of a lattice as one, and their components:
+/// what is connected by then gets the label of its first triangle. O(n log n).
 fn welded(source: &TriangleMesh, components: &[u32], size: f64) -> (TriangleMesh, Vec<u32>) {
     let cell = |vertex: u32| {
         let place = source.points()[vertex as usize] / size;

@@ -41,8 +41,7 @@ pub(super) const MAX_UNCOVERED: f64 = 0.05;
 pub(super) const MAX_UNCOVERED_UNDER_LIMIT: f64 = 0.15;
 
 /// What patches may leave out, and the uncovered distance that counts as covered, as a fraction of
-/// the bound: half of what a hull may leave out in the end. With all of it, a model of a teapot
-/// left 0.36 % of its diagonal uncovered at its foot, and tipped over in a simulation.
+/// the bound: half of what a hull may leave out in the end.
 const PATCH_SHARE_OF_UNCOVERED: f64 = 0.5 * MAX_UNCOVERED;
 
 /// A smaller bound, as a fraction of the diagonal, is less than single precision and the minimum
@@ -76,20 +75,15 @@ struct PresetSettings {
     triangles: usize,
 }
 
-/// Larger patches and no dissolving. A search by 0.92 of the bound instead ends with 1 % fewer
-/// hulls, but tests other hulls than `BALANCED` does: a window took twice as long, since what
-/// `BALANCED` refuses at once was looked at in detail. On 63 shared dense meshes, 1,000 triangles
-/// give 1,344 hulls; 700 give 4 % more in 4 % less time, and 2,400 give 3 % fewer in 6 % more. But
-/// with 1,000, so much of 27 rings is divided in the end that they take 2 % more work than under
-/// `BALANCED`; with 1,200 they take 7 % less.
+/// Larger patches and no dissolving. On fewer triangles, patches around rings are so coarse that
+/// verification divides again what the search has saved.
 const FAST: PresetSettings =
     PresetSettings { patch_size: 0.35, dissolve_attempts: 0, triangles: 1200 };
 
 const BALANCED: PresetSettings =
     PresetSettings { patch_size: 0.12, dissolve_attempts: 20_000, triangles: COARSE };
 
-/// No pass suits every mesh: the one with the fewest hulls is kept. A finer and a coarser one
-/// save 2 % of the hulls in about three times the time.
+/// No pass suits every mesh: the one with the fewest hulls is kept.
 const FINE: [PresetSettings; 3] = [
     BALANCED,
     PresetSettings { patch_size: 0.09, dissolve_attempts: 60_000, triangles: 3000 },

@@ -1,7 +1,8 @@
 //! Verification: how far the source lies outside the hulls, as an upper bound.
 //!
-//! Points that are close together are compared with a hull as a bucket, since most planes of a hull have none of them in
-//! front. With single points, the decomposition of a ball of a million triangles takes 7.3 s instead of 3.0 s.
+//! Points that are close together are compared with a hull as a bucket, since most planes of a hull
+//! have none of them in front. With single points, the decomposition of a ball of a million
+//! triangles takes 7.3 s instead of 3.0 s.
 
 use std::sync::OnceLock;
 
@@ -13,8 +14,8 @@ use crate::geometry::vector::{Vector, bounds, larger, smaller};
 use crate::hull::ConvexHull;
 use crate::mesh::TriangleMesh;
 
-/// A point less in front of every face than this, as a fraction of the diagonal, is in the hull: the rounding of
-/// heights over planes in double precision, with a margin.
+/// A point less in front of every face than this, as a fraction of the diagonal, is in the hull:
+/// the rounding of heights over planes in double precision, with a margin.
 const ROUNDING: f64 = 1e-9;
 
 /// The plane of a face.
@@ -74,7 +75,8 @@ impl<'a> HullDistance<'a> {
         }
     }
 
-    /// Whether one of the points is certainly farther from the hull than `limit`, by its bounding box.
+    /// Whether one of the points is certainly farther from the hull than `limit`, by its bounding
+    /// box.
     fn is_far_from(&self, points: &[Vector], limit: f64) -> bool {
         let [min, max] = self.corners;
         let gap = |point: Vector| (min - point).max(point - max).max_element();
@@ -166,8 +168,9 @@ struct Bucket {
     radius: f64,
 }
 
-/// Points of a large bucket, and of a small bucket within it. Testing a bucket against a plane takes
-/// as long as a point: a small bucket needs several points, and a large one several small buckets.
+/// Points of a large bucket, and of a small bucket within it. Testing a bucket against a plane
+/// takes as long as a point: a small bucket needs several points, and a large one several small
+/// buckets.
 const LARGE: usize = 128;
 const SMALL: usize = 8;
 
@@ -217,18 +220,21 @@ impl PointBuckets {
 const BITS: u32 = 8;
 
 /// Maximum number of times that a triangle whose corners are in different hulls is divided in four:
-/// parts are then 256 times as short, and what remains is an upper bound. A side of a plain shape may be
-/// one triangle.
+/// parts are then 256 times as short, and what remains is an upper bound. A side of a plain shape
+/// may be one triangle.
 const MAX_DIVISIONS: u32 = 8;
 
-/// Parts into which hulls cut a triangle at most: no more hulls are compared then, and what is left is divided.
+/// Parts into which hulls cut a triangle at most: no more hulls are compared then, and what is left
+/// is divided.
 const MAX_PARTS: usize = 64;
 
-/// Triangles between two checks for cancellation. A divided one may take a millisecond, and has its own.
+/// Triangles between two checks for cancellation. A divided one may take a millisecond, and has its
+/// own.
 const TRIANGLES_PER_CHECK: usize = 64;
 
-/// No point of some triangles of a surface is farther than this outside all hulls. Each is given with the hull that should
-/// contain it; one without a valid one is compared with all. The result is at least `tolerance`: less counts as covered.
+/// No point of some triangles of a surface is farther than this outside all hulls. Each is given
+/// with the hull that should contain it; one without a valid one is compared with all. The result
+/// is at least `tolerance`: less counts as covered.
 ///
 /// # Errors
 /// [`Error::Cancelled`].
@@ -279,8 +285,8 @@ pub(crate) fn uncovered_distance(
     Ok(worst)
 }
 
-/// The parts of a triangle that no hull contains, as convex polygons. Where hulls meet across it, nothing is left but
-/// rounding. O(faces) for each hull near it and each part.
+/// The parts of a triangle that no hull contains, as convex polygons. Where hulls meet across it,
+/// nothing is left but rounding. O(faces) for each hull near it and each part.
 fn outside_each(corners: [Vector; 3], hulls: &[HullDistance<'_>]) -> Vec<Vec<Vector>> {
     let (min, max) = bounds(corners);
     let mut parts = vec![corners.to_vec()];
@@ -314,8 +320,8 @@ fn split(polygon: &[Vector], heights: &[f64]) -> [Vec<Vector>; 2] {
     sides
 }
 
-/// The same for a part of a triangle that its owner does not contain: other hulls may contain parts of it.
-/// `known` bounds its distance outside its owner.
+/// The same for a part of a triangle that its owner does not contain: other hulls may contain parts
+/// of it. `known` bounds its distance outside its owner.
 fn outside_all(
     corners: [Vector; 3],
     hulls: &[HullDistance<'_>],

@@ -290,8 +290,8 @@ impl Bvh {
         self.improved(point, Best::none(limit), EXACT)
     }
 
-    /// The point of the mesh closest to `point`, or that of the first triangle that is found at most `enough` away (less
-    /// than 0 for none). Faster if the triangle `guess` is near.
+    /// The point of the mesh closest to `point`, or that of the first triangle that is found at
+    /// most `enough` away (less than 0 for none). Faster if the triangle `guess` is near.
     pub(crate) fn closest_point_near(
         &self,
         point: Vector,

@@ -1,5 +1,6 @@
-//! The hierarchy over a mesh; its winding numbers; the triangles near a box, or near a face (in its box
-//! and in the slab around its plane); and for each triangle of another mesh the closest triangle, or that one's label.
+//! The hierarchy over a mesh; its winding numbers; the triangles near a box, or near a face (in its
+//! box and in the slab around its plane); and for each triangle of another mesh the closest
+//! triangle, or that one's label.
 
 use std::convert::Infallible;
 use std::sync::OnceLock;

@@ -11,11 +11,13 @@
 //! | `hierarchy` | [`Bvh`]: the tree; winding numbers; triangles near a box or a face, or closest to those of another mesh |
 //! | `rays` | the winding number of a closed mesh by a ray; the first hit of a ray |
 //!
-//! Queries are thread-safe. They neither allocate nor lock, except the first winding number, which computes the
-//! expansions. Coordinates should be of the order of 1: boxes and expansions are in single precision.
+//! Queries are thread-safe. They neither allocate nor lock, except the first winding number, which
+//! computes the expansions. Coordinates should be of the order of 1: boxes and expansions are in
+//! single precision.
 //!
-//! There are four queries for "inside": [`Bvh::winding_number`] for any mesh and [`Bvh::is_inside`], the same above one
-//! half; [`Bvh::crossings`] for a closed mesh and [`Bvh::encloses`], the same above zero.
+//! There are four queries for "inside": [`Bvh::winding_number`] for any mesh and
+//! [`Bvh::is_inside`], the same above one half; [`Bvh::crossings`] for a closed mesh and
+//! [`Bvh::encloses`], the same above zero.
 
 #![expect(clippy::needless_range_loop, reason = "an index is a lane or an axis of several arrays")]
 

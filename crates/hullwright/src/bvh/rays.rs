@@ -1,19 +1,19 @@
 //! Rays: the winding number of a closed mesh, and the first triangle that is hit.
 //!
-//! Where triangles run along each edge as often one way as the other, the winding number is the number of times
-//! that a ray leaves the mesh, less that of its entering. A ray meets few boxes, and no solid angle is needed: a fraction of
-//! the work of the expansion, which open meshes need.
+//! Where triangles run along each edge as often one way as the other, the winding number is the
+//! number of times that a ray leaves the mesh, less that of its entering. A ray meets few boxes,
+//! and no solid angle is needed: a fraction of the work of the expansion, which open meshes need.
 //!
-//! A triangle counts by the winding number of its sides around the ray, in the plane across it. What a side
-//! adds is, to the last bit, the opposite of what it adds to the triangle beyond it, so that no ray slips through
-//! between the two. Typically O(log n).
+//! A triangle counts by the winding number of its sides around the ray, in the plane across it.
+//! What a side adds is, to the last bit, the opposite of what it adds to the triangle beyond it, so
+//! that no ray slips through between the two. Typically O(log n).
 
 use super::hierarchy::Bvh;
 use super::tree::{Child, EMPTY, Leaf, Node, STACK, Tree, WIDTH, child};
 use crate::geometry::vector::{Vector, larger, smaller};
 
-/// Slopes of the ray, which runs along the first axis: oblique, since the sides of many shapes are along axes. Not
-/// negative.
+/// Slopes of the ray, which runs along the first axis: oblique, since the sides of many shapes are
+/// along axes. Not negative.
 pub(crate) const SLOPES: [f64; 2] = [0.034_417, 0.021_913];
 
 /// More than the rounding of boxes, corners and points to single precision.
@@ -80,15 +80,16 @@ fn crossing(corners: &[Vector; 3], point: Vector) -> i32 {
 }
 
 impl Bvh {
-    /// Whether a point is inside a closed mesh: one along each edge of which triangles run as often one way as the
-    /// other. For other meshes the answer means nothing. On the surface either may be the answer.
+    /// Whether a point is inside a closed mesh: one along each edge of which triangles run as often
+    /// one way as the other. For other meshes the answer means nothing. On the surface either may
+    /// be the answer.
     #[inline]
     pub(crate) fn encloses(&self, point: Vector) -> bool {
         self.crossings(point) > 0
     }
 
-    /// How often the ray from a point, along the first axis and by [`SLOPES`] along the others, leaves the mesh,
-    /// less how often it enters.
+    /// How often the ray from a point, along the first axis and by [`SLOPES`] along the others,
+    /// leaves the mesh, less how often it enters.
     pub(crate) fn crossings(&self, point: Vector) -> i32 {
         let tree = &self.tree;
         let relative = (point - tree.centre).as_vec3().to_array();
@@ -110,9 +111,10 @@ impl Bvh {
     }
 }
 
-// First hit: boxes are tested by slabs (Kay and Kajiya, "Ray Tracing Complex Scenes", 1986), triangles in double
-// precision (Möller and Trumbore, "Fast, Minimum Storage Ray/Triangle Intersection", 1997). A ray
-// through a common edge may hit both triangles or neither: shoot many. Typically O(log n).
+// First hit: boxes are tested by slabs (Kay and Kajiya, "Ray Tracing Complex Scenes", 1986),
+// triangles in double precision (Möller and Trumbore, "Fast, Minimum Storage Ray/Triangle
+// Intersection", 1997). A ray through a common edge may hit both triangles or neither: shoot many.
+// Typically O(log n).
 
 /// Where a ray meets the mesh.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -124,13 +126,13 @@ pub(crate) struct Hit {
     pub is_back: bool,
 }
 
-/// Boxes are in single precision and rounded outward; the slabs' own rounding moves their planes by far less than
-/// this.
+/// Boxes are in single precision and rounded outward; the slabs' own rounding moves their planes by
+/// far less than this.
 const SLAB_SLACK: f32 = 1e-5;
 
 impl Bvh {
-    /// The first triangle beyond `start` along a ray for which `counts` holds. `direction` should be of
-    /// unit length.
+    /// The first triangle beyond `start` along a ray for which `counts` holds. `direction` should
+    /// be of unit length.
     pub(crate) fn first_hit(
         &self,
         origin: Vector,
@@ -222,8 +224,8 @@ impl Ray {
         Self { origin, inverse: direction.to_array().map(|x| (1.0 / x) as f32), start }
     }
 
-    /// Where the ray, from its start on, enters and leaves the children's boxes: the other way round where it
-    /// misses them.
+    /// Where the ray, from its start on, enters and leaves the children's boxes: the other way
+    /// round where it misses them.
     #[inline(always)]
     fn slabs(&self, node: &Node) -> ([f32; WIDTH], [f32; WIDTH]) {
         let (mut near, mut far) = ([self.start; WIDTH], [f32::INFINITY; WIDTH]);

@@ -87,8 +87,8 @@ pub(super) struct Tree {
 }
 
 impl Tree {
-    /// Visits the leaves below all children that `enters` picks by a node's index, until `visit` returns
-    /// false. Whether it never did.
+    /// Visits the leaves below all children that `enters` picks by a node's index, until `visit`
+    /// returns false. Whether it never did.
     #[inline(always)]
     pub(super) fn visit_leaves(
         &self,
@@ -121,9 +121,9 @@ impl Tree {
     }
 }
 
-// Construction, top down, by the surface area heuristic with bins (Wald, "On Fast Construction of SAH-based
-// Bounding Volume Hierarchies", 2007). A node splits its largest range until it has four children. Small
-// ranges are split between full leaves, so that few lanes stay empty. O(n log n).
+// Construction, top down, by the surface area heuristic with bins (Wald, "On Fast Construction of
+// SAH-based Bounding Volume Hierarchies", 2007). A node splits its largest range until it has four
+// children. Small ranges are split between full leaves, so that few lanes stay empty. O(n log n).
 
 /// Nodes over more triangles than this check for cancellation: building a smaller part takes less
 /// than a millisecond.
@@ -137,8 +137,8 @@ const SORTED: usize = WIDTH * WIDTH;
 
 /// Margin of boxes and of planes across triangles, as a fraction of the mesh's radius (the greatest
 /// distance of a corner from the centre). It exceeds what rounding to single precision does to a
-/// point within three times the radius (at most 5 × 3 × 2^-24). For points farther away the error is
-/// relative to the distance, and [`BOUND_SLACK`](super::tree::BOUND_SLACK) covers it.
+/// point within three times the radius (at most 5 × 3 × 2^-24). For points farther away the error
+/// is relative to the distance, and [`BOUND_SLACK`](super::tree::BOUND_SLACK) covers it.
 const MARGIN: f64 = 1.0 / (1 << 19) as f64;
 
 /// Estimates for memory that is reserved: triangles per node, and full lanes per leaf on average.

@@ -1,5 +1,5 @@
-//! Boxes, coordinates, vectors, and triangle meshes: one that is borrowed, which every function takes,
-//! and one that is owned.
+//! Boxes, coordinates, vectors, and triangle meshes: one that is borrowed, which every function
+//! takes, and one that is owned.
 
 pub mod vector;
 
@@ -91,8 +91,8 @@ pub enum Sidedness {
 /// A mesh that is borrowed: positions in `f32` or `f64`, and triangles that index them.
 ///
 /// Every function that takes a mesh takes `impl Into<MeshView>`: a `MeshView`, a reference to a
-/// [`TriangleMesh`], to a [`Hull`](crate::Hull) or a [`ConvexHull`](crate::ConvexHull), or to what a
-/// reader of files returns. It is free to copy. Nothing is checked before a function uses it.
+/// [`TriangleMesh`], to a [`Hull`](crate::Hull) or a [`ConvexHull`](crate::ConvexHull), or to what
+/// a reader of files returns. It is free to copy. Nothing is checked before a function uses it.
 ///
 /// ```
 /// use hullwright::MeshView;

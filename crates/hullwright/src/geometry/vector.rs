@@ -28,8 +28,8 @@ pub fn cubed(x: f64) -> f64 {
     x * x * x
 }
 
-/// The smaller of two numbers; the second if one is not a number. A single instruction, where `f64::min` handles that first
-/// and is a call in WebAssembly.
+/// The smaller of two numbers; the second if one is not a number. A single instruction, where
+/// `f64::min` handles that first and is a call in WebAssembly.
 #[inline(always)]
 pub fn smaller<T: PartialOrd>(a: T, b: T) -> T {
     if a < b { a } else { b }
@@ -143,7 +143,8 @@ pub(crate) struct Turns {
 impl Turns {
     pub const NONE: Self = Self { real: 1.0, imaginary: 0.0, whole: 0 };
 
-    /// Adds the argument of a complex number, between -π and π. After a few, [`rescale`](Self::rescale).
+    /// Adds the argument of a complex number, between -π and π. After a few,
+    /// [`rescale`](Self::rescale).
     #[inline(always)]
     pub fn add(&mut self, real: f64, imaginary: f64) {
         let before = self.imaginary;

@@ -1,13 +1,13 @@
-//! A convex polyhedron, the convex hull of a set of points, and hulls that physics engines can take: with volume, also
-//! in `f32`.
+//! A convex polyhedron, the convex hull of a set of points, and hulls that physics engines can
+//! take: with volume, also in `f32`.
 //!
 //! Groups of a mesh are often flat, and physics engines lose or flatten plates that are thinner
 //! than about 6e-4 of their diagonal. Such a set is pushed against its normal, into the solid that
 //! it is the surface of, until it is [`MINIMUM_THICKNESS`] thick: its outer side stays in place.
 //!
 //! Rounding to `f32` moves vertices by half a unit in the last place, which may dent flat sides,
-//! fold slivers, and flatten what lies far from the origin. So the rounded points get a hull of their
-//! own.
+//! fold slivers, and flatten what lies far from the origin. So the rounded points get a hull of
+//! their own.
 
 use super::growing_hull::{DEFAULT_TOLERANCE, HullBuilder};
 use super::quickhull::Shape;
@@ -319,7 +319,8 @@ const LEAST_ULPS: f64 = 4.0;
 /// Thickness is rounded as well, so it may take a few attempts; each doubles it.
 const ATTEMPTS: usize = 4;
 
-/// From about 70 vertices on a hull is built in less time than all heights above its faces are computed.
+/// From about 70 vertices on a hull is built in less time than all heights above its faces are
+/// computed.
 const MOST_HEIGHTS: usize = 10_000;
 
 /// Vertices and triangles in `f32`.
@@ -353,9 +354,10 @@ pub fn single_precision(
     Err(Error::NoHull { reason: "rounding to f32 leaves no volume" })
 }
 
-/// A hull with its vertices multiplied by `scale` and rounded to `f32`, its triangles as they are but wound outward. `None`
-/// unless it is convex as it stands, up to the tolerance of [`HullBuilder`], and not thin: then [`single_precision`] builds
-/// one. That costs vertices × triangles, so `None` beyond 10,000 of these too. Whether the triangles close is not looked at.
+/// A hull with its vertices multiplied by `scale` and rounded to `f32`, its triangles as they are
+/// but wound outward. `None` unless it is convex as it stands, up to the tolerance of
+/// [`HullBuilder`], and not thin: then [`single_precision`] builds one. That costs vertices ×
+/// triangles, so `None` beyond 10,000 of these too. Whether the triangles close is not looked at.
 pub fn rounded_hull(hull: &ConvexHull, scale: [f32; 3]) -> Option<SinglePrecisionHull> {
     if hull.points.len() * hull.triangles.len() > MOST_HEIGHTS {
         return None;

@@ -1,6 +1,6 @@
-//! Convex hulls one after the other, in memory that is reused: how they start, grow and are read. And a hull that grows
-//! by points, during the search: joint hulls are built by insertion into a copy of the larger hull, which takes a
-//! quarter of the time of building them anew.
+//! Convex hulls one after the other, in memory that is reused: how they start, grow and are read.
+//! And a hull that grows by points, during the search: joint hulls are built by insertion into a
+//! copy of the larger hull, which takes a quarter of the time of building them anew.
 
 use super::face::{Face, FacePlane, Margins, NONE, after, before, edge_of, face_of};
 use super::quickhull::{
@@ -16,8 +16,8 @@ use crate::work;
 /// would only turn noise into slivers; a coarser one would be seen in single precision.
 pub const DEFAULT_TOLERANCE: f64 = 2e-7;
 
-/// Points that are compared as one with each face before they are compared one by one with those nearby: about as many as
-/// a patch of a scan has.
+/// Points that are compared as one with each face before they are compared one by one with those
+/// nearby: about as many as a patch of a scan has.
 const POINTS_AT_ONCE: usize = 16;
 
 /// Builds convex hulls, one after the other, in memory that is reused.
@@ -387,8 +387,8 @@ pub(crate) struct EarlierFaces {
     frame: Frame,
 }
 
-/// A bound on how far points lie in front of a hull takes one of this many faces: an eighth of the time, and most
-/// bounds of far points are near the distance.
+/// A bound on how far points lie in front of a hull takes one of this many faces: an eighth of the
+/// time, and most bounds of far points are near the distance.
 const FACES_PER_BOUND: usize = 8;
 
 impl EarlierFaces {
@@ -505,8 +505,8 @@ impl GrowingHull {
         false
     }
 
-    /// Whether the hull has volume, and no point is farther than `tolerance` in front of a face. Within
-    /// [`SEARCH_TOLERANCE`] inserting them changes nothing.
+    /// Whether the hull has volume, and no point is farther than `tolerance` in front of a face.
+    /// Within [`SEARCH_TOLERANCE`] inserting them changes nothing.
     pub fn contains(&self, points: &[Vector], tolerance: f64) -> bool {
         self.is_solid && self.builder.contains_all(as_arrays(points), tolerance)
     }
@@ -528,8 +528,8 @@ impl GrowingHull {
     }
 }
 
-/// Points within this fraction of the diagonal do not change a hull during the search: far less than any
-/// distance that counts, more than the rounding of repeated insertions.
+/// Points within this fraction of the diagonal do not change a hull during the search: far less
+/// than any distance that counts, more than the rounding of repeated insertions.
 pub(crate) const SEARCH_TOLERANCE: f64 = 1e-5;
 
 #[cfg(test)]

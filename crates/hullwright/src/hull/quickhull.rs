@@ -1,12 +1,13 @@
-//! Quickhull (Barber, Dobkin, Huhdanpaa, "The quickhull algorithm for convex hulls", 1996): the frame
-//! that brings points near 1, their first simplex, and the steps by which a hull grows from there.
+//! Quickhull (Barber, Dobkin, Huhdanpaa, "The quickhull algorithm for convex hulls", 1996): the
+//! frame that brings points near 1, their first simplex, and the steps by which a hull grows from
+//! there.
 //!
 //! A point in front of faces is in the outside set of one of them. The furthest point of an outside
 //! set becomes the eye point: the visible faces make way for a cone between their outline, the
 //! horizon, and the eye point, and their outside sets are partitioned among the faces of the cone.
-//! The hull is complete when no outside set has a point farther out than the tolerance: a finer hull
-//! would shatter flat sides into slivers. Visibility is exact (see `face.rs`): at each moment the
-//! hull is the exact hull of the points added.
+//! The hull is complete when no outside set has a point farther out than the tolerance: a finer
+//! hull would shatter flat sides into slivers. Visibility is exact (see `face.rs`): at each moment
+//! the hull is the exact hull of the points added.
 //!
 //! The steps are so small that instructions count: no roots, no divisions, and slices, whose
 //! addresses stay in registers, for vectors.
@@ -537,8 +538,8 @@ impl HullState {
         }
     }
 
-    /// Adds the unassigned points, except the eye point, to the outside sets of the cone's faces that
-    /// they are in front of.
+    /// Adds the unassigned points, except the eye point, to the outside sets of the cone's faces
+    /// that they are in front of.
     fn partition(&mut self, cone: &Cone, queue: &mut Queue, eye: u32) {
         let margins = self.margins;
         let (places, planes) = (cone.visible.as_slice(), cone.planes.as_slice());
@@ -591,8 +592,9 @@ impl HullState {
 
 /// Outside sets between the steps.
 impl HullState {
-    /// Adds new points, close together, to the outside sets of the first faces that they are farther in front of than
-    /// the tolerance, in a hull that has stopped growing. Drops those without one.
+    /// Adds new points, close together, to the outside sets of the first faces that they are
+    /// farther in front of than the tolerance, in a hull that has stopped growing. Drops those
+    /// without one.
     pub(super) fn add_those_beyond(&mut self, scratch: &mut Scratch, points: &[Vector]) {
         let Scratch { queue, near, .. } = scratch;
         self.find_near(near, points);
@@ -613,7 +615,8 @@ impl HullState {
         }
     }
 
-    /// Lists the faces that one of some points may be farther in front of than the tolerance, by a ball around them.
+    /// Lists the faces that one of some points may be farther in front of than the tolerance, by a
+    /// ball around them.
     fn find_near(&self, near: &mut Vec<u32>, points: &[Vector]) {
         let sum = points.iter().fold(Vector::ZERO, |sum, &point| sum + self.frame.inward(point));
         let centre = sum * (1.0 / points.len() as f64);

@@ -4,10 +4,10 @@
 //!   hulls, in Sander, Gu, Gortler, Hoppe, Snyder, "Silhouette clipping", 2000). An edge makes way
 //!   for a point near it that lies in front of all faces at its two ends: the hull of the old one
 //!   and that point has lost both ends, and holds all that it held.
-//! - [`prominent`] leaves out vertices that hardly stand out, [`most_prominent`] all except those that
-//!   stand out most: their hulls are smaller.
-//! - [`limit_vertices`] tries all of them for a given number of vertices, lets their hulls grow about
-//!   their centres until they hold the old hull, and takes the one that grew least.
+//! - [`prominent`] leaves out vertices that hardly stand out, [`most_prominent`] all except those
+//!   that stand out most: their hulls are smaller.
+//! - [`limit_vertices`] tries all of them for a given number of vertices, lets their hulls grow
+//!   about their centres until they hold the old hull, and takes the one that grew least.
 
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
@@ -41,8 +41,8 @@ const MAX_COLLAPSIBLE: usize = 4096;
 /// More vertices than this are thinned out before edges collapse.
 const MANY_VERTICES: usize = 512;
 
-/// The first tolerance of thinning out, as a fraction of the hull's extent; it doubles as long as it
-/// is too fine.
+/// The first tolerance of thinning out, as a fraction of the hull's extent; it doubles as long as
+/// it is too fine.
 const THINNING: f64 = 1e-4;
 
 /// When a hull has grown over another one, rounding must not leave a vertex outside.
@@ -80,8 +80,8 @@ impl Ord for Collapse {
 
 /// Collapses that may come next, cheapest first.
 ///
-/// Where faces at the ends of an edge have changed, its collapse is out of date. Mostly it has become
-/// dearer, so that it is computed again only when its turn comes.
+/// Where faces at the ends of an edge have changed, its collapse is out of date. Mostly it has
+/// become dearer, so that it is computed again only when its turn comes.
 #[derive(Default)]
 struct Queue {
     heap: BinaryHeap<Collapse>,
@@ -132,12 +132,12 @@ struct Constraint {
 }
 
 /// A hull of fewer vertices that holds `hull`, and how far it grew: no point of it is farther than
-/// that from the old one, in the points' units. `None` if no vertex was saved, as for a hull of very
-/// many.
+/// that from the old one, in the points' units. `None` if no vertex was saved, as for a hull of
+/// very many.
 ///
 /// Cheapest edges go first, each only if `fits` accepts all new faces: as long as one adds at most
-/// `most_volume`, in cubed units, and beyond that while there are more than `max_vertices` vertices.
-/// O(n²) for n vertices, with a small constant.
+/// `most_volume`, in cubed units, and beyond that while there are more than `max_vertices`
+/// vertices. O(n²) for n vertices, with a small constant.
 ///
 /// # Errors
 /// [`Error::Cancelled`], [`Error::DeadlineExceeded`], and those of `fits`.
@@ -317,9 +317,9 @@ fn projected(from: Vector, constraints: &mut [Constraint], outward: Vector) -> O
     constraints.iter().all(is_in_front).then_some(point)
 }
 
-/// A hull of at most `max_vertices` vertices that holds all of `hull`, and how far it grew: no point
-/// of it is farther than that from the old one, in the points' units. A hull of few enough vertices
-/// stays as it is, and any hull if `max_vertices` is below 4.
+/// A hull of at most `max_vertices` vertices that holds all of `hull`, and how far it grew: no
+/// point of it is farther than that from the old one, in the points' units. A hull of few enough
+/// vertices stays as it is, and any hull if `max_vertices` is below 4.
 ///
 /// O(n log n + m² n) for n vertices, of which m are left.
 ///

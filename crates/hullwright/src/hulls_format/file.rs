@@ -314,7 +314,8 @@ const TRIANGLE: usize = 3 * 4;
 
 type Read<T> = Result<T, HullsFileError>;
 
-/// Checks the header and the checksum. The versions of format and algorithm, and a reader of the body.
+/// Checks the header and the checksum. The versions of format and algorithm, and a reader of the
+/// body.
 pub(super) fn open(bytes: &[u8], magic: [u8; 8], newest: u32) -> Read<([u32; 2], Reader<'_>)> {
     if !bytes.starts_with(&magic) {
         let is_other = bytes.starts_with(&MAGIC) || bytes.starts_with(&SCENE_MAGIC);

@@ -145,10 +145,11 @@ pub struct BakedTriangles {
 pub struct BakedMesh {
     /// The names of the mesh and of the nodes that show it.
     pub names: Vec<String>,
-    /// Its index among the meshes of the glTF file, and those of others with the same content; empty if it comes from
-    /// elsewhere, or a file of version 1.
+    /// Its index among the meshes of the glTF file, and those of others with the same content;
+    /// empty if it comes from elsewhere, or a file of version 1.
     pub gltf_meshes: Vec<u32>,
-    /// The least and the largest coordinates of the corners of its triangles; `None` in a file of version 1.
+    /// The least and the largest coordinates of the corners of its triangles; `None` in a file of
+    /// version 1.
     pub bounds: Option<[[f32; 3]; 2]>,
     /// The mesh's content.
     pub hash: MeshHash,

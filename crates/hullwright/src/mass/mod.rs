@@ -7,8 +7,8 @@
 //!    theorem. Cavities are taken off.
 //! 2. Where such a mesh overlaps itself, as a handle that is stuck into a mug, the overlap counts
 //!    once, by the winding number along columns through the mesh.
-//! 3. A mesh whose openings are closed is taken with them closed. Another open mesh has no inside: the union of its
-//!    hulls is taken, by columns too.
+//! 3. A mesh whose openings are closed is taken with them closed. Another open mesh has no inside:
+//!    the union of its hulls is taken, by columns too.
 //! 4. Without hulls, its convex hull.
 
 mod moments;
@@ -69,7 +69,8 @@ const RESOLUTION: usize = 192;
 /// the coarse grid is no better. Mass properties then still agree within about 1 %.
 const OVERLAP: f64 = 0.01;
 
-/// A closed mesh with less volume than this, as a fraction of the cubed diagonal, is a folded sheet.
+/// A closed mesh with less volume than this, as a fraction of the cubed diagonal, is a folded
+/// sheet.
 const LEAST_VOLUME: f64 = 1e-9;
 
 /// Mass properties of a mesh with a uniform `density` (mass per cubed unit). `hulls` are its
@@ -190,8 +191,8 @@ impl Moments {
     }
 }
 
-/// The inertia tensor of central second moments, their trace times the identity minus the moments; and with half
-/// the trace the moments of a tensor.
+/// The inertia tensor of central second moments, their trace times the identity minus the moments;
+/// and with half the trace the moments of a tensor.
 fn trace_less(matrix: [Vector; 3], share: f64) -> [Vector; 3] {
     let trace = (matrix[0][0] + matrix[1][1] + matrix[2][2]) * share;
     let mut result = matrix.map(|row| -row);

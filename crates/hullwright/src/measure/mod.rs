@@ -1,21 +1,22 @@
-//! Measures any set of hulls, of this library or another tool, against the mesh that they stand for.
+//! Measures any set of hulls, of this library or another tool, against the mesh that they stand
+//! for.
 //!
-//! [`measure`] says how far the hulls are outside of the solid (*protrusion*: objects stop before they
-//! touch), how far the mesh's surface lies outside the hulls (*uncovered distance*: objects sink in), and
-//! how much of the solid no hull holds (*uncovered volume*). All lengths are relative to the diagonal of the
-//! bounding box of the vertices that the mesh's triangles use.
+//! [`measure`] says how far the hulls are outside of the solid (*protrusion*: objects stop before
+//! they touch), how far the mesh's surface lies outside the hulls (*uncovered distance*: objects
+//! sink in), and how much of the solid no hull holds (*uncovered volume*). All lengths are relative
+//! to the diagonal of the bounding box of the vertices that the mesh's triangles use.
 //!
 //! # What counts as what
 //!
-//! - The **solid** is that of [`decompose`](crate::decompose): where the generalized winding number of
-//!   the repaired mesh is above 0.5. Neighbours are turned so that they agree, and closed parts outward;
-//!   what is there both ways round, and open parts of a mesh that is inside out as a whole, enclose
-//!   nothing. Openings are closed as [`MeasureOptions::openings`] says. So holes, open sheets,
-//!   self-intersections and cavities are no obstacle.
-//! - The **surface** is the mesh's triangles, except those without area: what is thinner than 1e-6 of the
-//!   diagonal in two directions is a line, which repair drops and nothing has to cover.
-//! - A **hull** is the convex hull of its points: that is what a physics engine collides with, whatever its
-//!   triangles. These are checked on their own: see [`HullCheck`].
+//! - The **solid** is that of [`decompose`](crate::decompose): where the generalized winding number
+//!   of the repaired mesh is above 0.5. Neighbours are turned so that they agree, and closed parts
+//!   outward; what is there both ways round, and open parts of a mesh that is inside out as a
+//!   whole, enclose nothing. Openings are closed as [`MeasureOptions::openings`] says. So holes,
+//!   open sheets, self-intersections and cavities are no obstacle.
+//! - The **surface** is the mesh's triangles, except those without area: what is thinner than 1e-6
+//!   of the diagonal in two directions is a line, which repair drops and nothing has to cover.
+//! - A **hull** is the convex hull of its points: that is what a physics engine collides with,
+//!   whatever its triangles. These are checked on their own: see [`HullCheck`].
 //! - A point is **in** a hull up to a tolerance of 1e-6, and **inside** it beyond the same
 //!   tolerance. So hulls that touch leave no gap, and do not swallow each other's faces.
 //! - The **boundary** of the hulls is the surface of all hulls without what is inside another.
@@ -23,10 +24,10 @@
 //! # Sampling
 //!
 //! Points are the same on every run, on any number of threads: evenly spread sequences, not random
-//! numbers, unless [`MeasureOptions::random_seed`] is set. A maximum is that of the sampled
-//! points; the true one may be higher, by more the sharper the spike. [`MeasureOptions`] has the numbers
-//! of points, [`Measurement::samples`] says what became of them. For points of your own there are [`MeasuredMesh`] and
-//! [`MeasuredHulls`].
+//! numbers, unless [`MeasureOptions::random_seed`] is set. A maximum is that of the sampled points;
+//! the true one may be higher, by more the sharper the spike. [`MeasureOptions`] has the numbers of
+//! points, [`Measurement::samples`] says what became of them. For points of your own there are
+//! [`MeasuredMesh`] and [`MeasuredHulls`].
 //!
 //! | file | contents |
 //! |---|---|
@@ -78,22 +79,23 @@ pub struct MeasureOptions {
     /// Where it is given, points are independent random ones with this seed. That shows how far
     /// figures of other tools scatter, most of which sample so. Default `None`: evenly spread.
     pub random_seed: Option<u64>,
-    /// What becomes of openings. Take what the hulls were made with: everything is judged against the mesh
-    /// with those closed that are. Default [`Openings::Auto`].
+    /// What becomes of openings. Take what the hulls were made with: everything is judged against
+    /// the mesh with those closed that are. Default [`Openings::Auto`].
     pub openings: Openings,
-    /// How far an opening's vertices may be from a plane. Take the bound that the hulls were made with.
-    /// Default 2 % of the diagonal.
+    /// How far an opening's vertices may be from a plane. Take the bound that the hulls were made
+    /// with. Default 2 % of the diagonal.
     pub flatness: Length,
     /// Which axis points up: see [`Parameters::up_axis`](crate::Parameters::up_axis).
     pub up_axis: UpAxis,
     /// Whether closed components that nothing can reach stay: see
     /// [`Parameters::keep_cavities`](crate::Parameters::keep_cavities). Default false.
     pub keep_cavities: bool,
-    /// What moves in the scene: protrusion is then how far such balls are entered, or the distance from the solid where
-    /// that is less. See [`Parameters::probe_radius`](crate::Parameters::probe_radius). Default `None`.
+    /// What moves in the scene: protrusion is then how far such balls are entered, or the distance
+    /// from the solid where that is less. See
+    /// [`Parameters::probe_radius`](crate::Parameters::probe_radius). Default `None`.
     pub probe_radius: Option<Length>,
-    /// Where it starts beside the outside: see [`Parameters::probe_from`](crate::Parameters::probe_from). Default
-    /// none.
+    /// Where it starts beside the outside: see
+    /// [`Parameters::probe_from`](crate::Parameters::probe_from). Default none.
     pub probe_from: Vec<[f64; 3]>,
 }
 
@@ -248,15 +250,15 @@ pub struct Measurement {
 /// A mesh with a larger share of open edges has no volume to speak of.
 const MOST_OPEN_EDGES: f64 = 0.005;
 
-/// Measures hulls against a mesh. Triangles with a coordinate that is not finite are left out; duplicate and
-/// degenerate ones change nothing.
+/// Measures hulls against a mesh. Triangles with a coordinate that is not finite are left out;
+/// duplicate and degenerate ones change nothing.
 ///
 /// O((n + s) log n) for n triangles and s samples, times the number of hulls whose bounding boxes
 /// overlap.
 ///
 /// # Errors
-/// - [`Error::EmptyMesh`], [`Error::IndexOutOfRange`], [`Error::NothingUsable`] or [`Error::TooLarge`]
-///   for the mesh.
+/// - [`Error::EmptyMesh`], [`Error::IndexOutOfRange`], [`Error::NothingUsable`] or
+///   [`Error::TooLarge`] for the mesh.
 /// - [`Error::NoHulls`] if there is no hull, [`Error::UnusableHull`] if none can be judged.
 /// - [`Error::InvalidParameter`] for options out of their range.
 /// - [`Error::Cancelled`], between one kind of sample and the next. A deadline does not count.
@@ -399,7 +401,8 @@ impl Mesh {
             };
             usable = prepared.mesh.triangles.iter().map(in_source).collect();
         } else if prepared.repairs.degenerate_triangles > 0 {
-            // What repair takes for a line or a spot is no surface that hulls could leave uncovered.
+            // What repair takes for a line or a spot is no surface that hulls could leave
+            // uncovered.
             let mut kept = prepared.source_triangles.clone();
             kept.sort_unstable();
             kept.dedup();
@@ -414,8 +417,8 @@ impl Mesh {
     }
 }
 
-/// How far points on the hulls' boundary lie outside the solid. Where the surface is open, the inside ends
-/// where no surface is, and may be nearer than that.
+/// How far points on the hulls' boundary lie outside the solid. Where the surface is open, the
+/// inside ends where no surface is, and may be nearer than that.
 fn protrusions(
     union: &Union,
     solid: &MeasuredSolid,

@@ -1,5 +1,5 @@
-//! The errors of [`measure`](super::measure()) point by point, for those who choose the points: what draws errors as colours,
-//! or compares many sets of hulls with one mesh.
+//! The errors of [`measure`](super::measure()) point by point, for those who choose the points:
+//! what draws errors as colours, or compares many sets of hulls with one mesh.
 
 use super::hulls::{MeasuredHull, Union};
 use crate::bvh::Bvh;
@@ -16,10 +16,12 @@ use crate::parameters::Parameters;
 use crate::probe::{FilledSurface, filled};
 use crate::probe::{Probe, ProbeSettings};
 
-/// A point nearer to the surface than this fraction of the diagonal is on it: rounding of hulls to `f32`.
+/// A point nearer to the surface than this fraction of the diagonal is on it: rounding of hulls to
+/// `f32`.
 const ON_SURFACE: f64 = 1e-6;
 
-/// The solid that hulls are measured against: the mesh's own, and what a probe leaves of the space around it.
+/// The solid that hulls are measured against: the mesh's own, and what a probe leaves of the space
+/// around it.
 pub(super) struct MeasuredSolid {
     pub bvh: Bvh,
     probe: Option<Probe>,
@@ -47,8 +49,8 @@ impl MeasuredSolid {
         Ok(Self { bvh, probe })
     }
 
-    /// How far a point outside protrudes that is so far from the mesh: that, or how far balls are entered there,
-    /// whichever is less.
+    /// How far a point outside protrudes that is so far from the mesh: that, or how far balls are
+    /// entered there, whichever is less.
     pub fn protrusion(&self, point: Vector, distance: f64) -> f64 {
         let Some(probe) = &self.probe else { return distance };
         let entered = probe.entered(&self.bvh, point, 0.0, distance);
@@ -65,7 +67,8 @@ impl MeasuredSolid {
     }
 }
 
-/// A mesh with its openings closed, and the solid that it encloses. Points and lengths are in the mesh's units.
+/// A mesh with its openings closed, and the solid that it encloses. Points and lengths are in the
+/// mesh's units.
 ///
 /// ```
 /// use hullwright::measure::{MeasuredHulls, MeasuredMesh};
@@ -93,7 +96,8 @@ pub struct MeasuredMesh {
 }
 
 impl MeasuredMesh {
-    /// Repairs a mesh and closes its openings, as [`close_openings`](crate::close_openings). O(n log n).
+    /// Repairs a mesh and closes its openings, as [`close_openings`](crate::close_openings). O(n
+    /// log n).
     ///
     /// # Errors
     /// As [`close_openings`](crate::close_openings).
@@ -137,8 +141,9 @@ impl MeasuredMesh {
         self.solid.bvh.is_inside(self.normalization.normalize(point.into()))
     }
 
-    /// How far a point is outside the solid: 0 inside, and within 1e-6 of the diagonal of its surface. With a
-    /// [probe](Parameters::probe_radius), that or how far balls are entered there, whichever is less. O(log n).
+    /// How far a point is outside the solid: 0 inside, and within 1e-6 of the diagonal of its
+    /// surface. With a [probe](Parameters::probe_radius), that or how far balls are entered there,
+    /// whichever is less. O(log n).
     pub fn distance(&self, point: [f64; 3]) -> f64 {
         let point = self.normalization.normalize(point.into());
         let closest = self.solid.bvh.closest_point(point, f64::INFINITY);
@@ -149,13 +154,15 @@ impl MeasuredMesh {
         self.solid.protrusion(point, distance) * self.normalization.diagonal
     }
 
-    /// The surface of what a ball of the [probe's radius](Parameters::probe_radius) can't touch outside the solid, where
-    /// that is off the mesh: what hulls may fill, for display. `None` without a probe. Where nothing is filled it is empty,
-    /// and so it is around voids that are closed on all sides.
+    /// The surface of what a ball of the [probe's radius](Parameters::probe_radius) can't touch
+    /// outside the solid, where that is off the mesh: what hulls may fill, for display. `None`
+    /// without a probe. Where nothing is filled it is empty, and so it is around voids that are
+    /// closed on all sides.
     ///
-    /// It is approximate: a net over a grid whose cells are a sixth of the radius, or 1.25 % of the diagonal if that is
-    /// less; larger where the grid would have more than 200,000 samples. Nothing nearer than half a cell to the mesh is
-    /// drawn. What hulls must keep to is not this surface, but [`distance`](Self::distance).
+    /// It is approximate: a net over a grid whose cells are a sixth of the radius, or 1.25 % of the
+    /// diagonal if that is less; larger where the grid would have more than 200,000 samples.
+    /// Nothing nearer than half a cell to the mesh is drawn. What hulls must keep to is not this
+    /// surface, but [`distance`](Self::distance).
     ///
     /// O(samples): on one thread tenths of a second, up to two seconds for the largest grid.
     ///
@@ -174,7 +181,8 @@ impl MeasuredMesh {
     }
 }
 
-/// Hulls together, each as the convex hull of its points. Points and lengths are in the mesh's units.
+/// Hulls together, each as the convex hull of its points. Points and lengths are in the mesh's
+/// units.
 pub struct MeasuredHulls {
     union: Union,
     min: Vector,
@@ -187,8 +195,8 @@ impl MeasuredHulls {
     /// Prepares hulls of any tool. O(n log n) for n vertices.
     ///
     /// # Errors
-    /// [`Error::UnusableHull`] for one that has no triangles, an index out of range, or a coordinate that is not finite or
-    /// more than 1e9 diagonals away.
+    /// [`Error::UnusableHull`] for one that has no triangles, an index out of range, or a
+    /// coordinate that is not finite or more than 1e9 diagonals away.
     pub fn new<'h, H>(hulls: &'h [H], mesh: &MeasuredMesh) -> Result<Self, Error>
     where
         &'h H: Into<MeshView<'h>>,
@@ -220,7 +228,8 @@ impl MeasuredHulls {
         self.union.multiplicity(self.normalization.normalize(point.into())) > 0
     }
 
-    /// How far a point is outside every hull, or `limit` if that is less. The smaller the limit, the faster. O(hulls + log n).
+    /// How far a point is outside every hull, or `limit` if that is less. The smaller the limit,
+    /// the faster. O(hulls + log n).
     pub fn distance(&self, point: [f64; 3], limit: f64) -> f64 {
         let point = self.normalization.normalize(point.into());
         let most = limit / self.normalization.diagonal;

@@ -1,5 +1,5 @@
-//! Which triangles share edges: half-edges sorted by edge, the neighbours of triangles, and the components and shells
-//! that edges connect.
+//! Which triangles share edges: half-edges sorted by edge, the neighbours of triangles, and the
+//! components and shells that edges connect.
 //!
 //! [`Adjacency`] is the paper's data structure [3.3]: triangles with normals and the list of 3n neighbours. Its
 //! lists of the triangles at each vertex are there to find neighbours, which half-edges sorted by
@@ -431,8 +431,9 @@ mod tests {
         assert_eq!(square.neighbours, [none, none, 1, 0, none, none]);
     }
 
-    /// For each of some triangles on one common edge, like pages of a book, its neighbour across that. A page's
-    /// angle is in degrees; a page runs along the edge if `forward`, else against it.
+    /// For each of some triangles on one common edge, like pages of a book, its neighbour across
+    /// that. A page's angle is in degrees; a page runs along the edge if `forward`, else against
+    /// it.
     fn partners(pages: &[(f64, bool)]) -> Vec<u32> {
         let mut positions = vec![[0.0; 3], [0.0, 0.0, 1.0]];
         let mut triangles = Vec::new();

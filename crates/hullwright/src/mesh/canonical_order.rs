@@ -1,13 +1,13 @@
-//! An order of vertices and triangles that depends on their places alone, so that whatever order a file
-//! has them in, the stages after it see the same mesh.
+//! An order of vertices and triangles that depends on their places alone, so that whatever order a
+//! file has them in, the stages after it see the same mesh.
 //!
-//! Vertices are sorted along a space-filling curve, triangles by the set of their vertices; each triangle begins with its
-//! least vertex. O(n log n).
+//! Vertices are sorted along a space-filling curve, triangles by the set of their vertices; each
+//! triangle begins with its least vertex. O(n log n).
 
 use crate::geometry::vector::Vector;
 
-/// Places are compared in steps of 2^-20 of the diagonal first, about the weld distance: what differs by rounding
-/// alone, as a copy in other units, is in the same order.
+/// Places are compared in steps of 2^-20 of the diagonal first, about the weld distance: what
+/// differs by rounding alone, as a copy in other units, is in the same order.
 const STEPS: f64 = (1_u64 << 20) as f64;
 
 /// Bits of a coordinate in a key: normalised ones are from -0.5 to 0.5.
@@ -27,8 +27,8 @@ pub(super) fn used_vertices(used: &[bool]) -> Vec<u32> {
     (0_u32..).zip(used).filter(|&(_, &used)| used).map(|(vertex, _)| vertex).collect()
 }
 
-/// The vertices in use, sorted by place: along a Z-order curve (Morton, 1966), so that neighbours in the
-/// order are mostly neighbours in space.
+/// The vertices in use, sorted by place: along a Z-order curve (Morton, 1966), so that neighbours
+/// in the order are mostly neighbours in space.
 pub(super) fn vertices_by_place(positions: &[Vector], used: &[bool]) -> Vec<u32> {
     let half = 1_i64 << (BITS - 1);
     let part = |x: f64| ((x * STEPS).round() as i64 + half).clamp(0, 2 * half - 1) as u64;

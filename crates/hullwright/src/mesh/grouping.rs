@@ -1,6 +1,6 @@
-//! Convex grouping of triangles, section 3.4.1 of the paper: groups grow over neighbours by a queue, as long
-//! as the new polygon bends inward by no more than the thresholds. The paper's method takes groups as pieces,
-//! the default method divides them into patches.
+//! Convex grouping of triangles, section 3.4.1 of the paper: groups grow over neighbours by a
+//! queue, as long as the new polygon bends inward by no more than the thresholds. The paper's
+//! method takes groups as pieces, the default method divides them into patches.
 //!
 //! As the paper has it, the test looks one way only: the new vertex against the planes of the
 //! group, at the moment when the neighbour is considered. A polygon in the queue is not
@@ -165,11 +165,11 @@ pub(crate) fn group_vertices(mesh: &TriangleMesh, group: &[u32]) -> Vec<u32> {
     vertices
 }
 
-// The planes of a forming group. Nearly all the time of grouping is spent on comparing vertices with them,
-// and most of it is saved without changing an answer: planes only ever join a group, so a vertex that was
-// refused stays refused, and one that was behind all planes is compared with those alone that came since. A
-// comparison has three steps, each for what the one before leaves in doubt: bounds for several planes, single
-// precision with room for its rounding, double precision.
+// The planes of a forming group. Nearly all the time of grouping is spent on comparing vertices
+// with them, and most of it is saved without changing an answer: planes only ever join a group, so
+// a vertex that was refused stays refused, and one that was behind all planes is compared with
+// those alone that came since. A comparison has three steps, each for what the one before leaves in
+// doubt: bounds for several planes, single precision with room for its rounding, double precision.
 
 /// The plane of a polygon: its points have this scalar product with the unit normal.
 #[derive(Debug, Clone, Copy)]
@@ -203,8 +203,8 @@ struct Planes {
     /// The batch that refused last will often refuse again.
     refusing: Option<usize>,
     group: u32,
-    /// For each vertex the last group that it was compared with, and how many batches, all of them full, allow
-    /// it.
+    /// For each vertex the last group that it was compared with, and how many batches, all of them
+    /// full, allow it.
     known: Vec<(u32, u32)>,
     /// The least distance of all that were too large.
     least_refusal: f64,
@@ -346,8 +346,8 @@ struct Bounds {
     centre: [[f32; ROW]; 3],
     /// Greatest squared ‖n − m‖.
     squared_spread: [f32; ROW],
-    /// Greatest n · c − o. Infinite where a batch is not full, and less than anything where there is
-    /// none.
+    /// Greatest n · c − o. Infinite where a batch is not full, and less than anything where there
+    /// is none.
     height: [f32; ROW],
 }
 

@@ -42,7 +42,8 @@ pub(crate) fn refine(mesh: &mut TriangleMesh, longest: f64) -> Vec<u32> {
     parents
 }
 
-/// Splits all triangles at halved edges, longest edge first. `is_end`: which vertices are ends of those.
+/// Splits all triangles at halved edges, longest edge first. `is_end`: which vertices are ends of
+/// those.
 fn split(
     mesh: &mut TriangleMesh,
     parents: &mut Vec<u32>,

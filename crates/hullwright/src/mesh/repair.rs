@@ -1,9 +1,9 @@
 //! Repair: any triangle soup becomes the clean mesh that the other stages work on.
 //!
 //! Triangles with a coordinate that is not finite go, the rest is moved to the origin and scaled,
-//! vertices are sorted by place and welded, degenerate and duplicate triangles go without tearing what is around
-//! them, winding is made consistent and outward, and connected components are found. Holes,
-//! non-manifold edges and intersections stay: they are normal input.
+//! vertices are sorted by place and welded, degenerate and duplicate triangles go without tearing
+//! what is around them, winding is made consistent and outward, and connected components are found.
+//! Holes, non-manifold edges and intersections stay: they are normal input.
 
 use std::borrow::Cow;
 use std::cmp::Ordering;
@@ -93,8 +93,8 @@ pub struct PreparedMesh {
     pub mesh: TriangleMesh,
     /// From this space to the input's.
     pub normalization: Normalization,
-    /// For each triangle its index in the input; the same for both halves where a triangle was split. Those
-    /// that close openings have none: `u32::MAX`.
+    /// For each triangle its index in the input; the same for both halves where a triangle was
+    /// split. Those that close openings have none: `u32::MAX`.
     pub source_triangles: Vec<u32>,
     /// For each vertex its index in the input; of welded ones the first.
     pub source_vertices: Vec<u32>,
@@ -130,8 +130,8 @@ impl PreparedMesh {
         all.map(|(&sheet, component)| sheet || is_inside_out && !is_closed(component)).collect()
     }
 
-    /// Keeps the triangles for which `keeps` holds, by their index in the input and their component.
-    /// Vertices and the labels of components stay.
+    /// Keeps the triangles for which `keeps` holds, by their index in the input and their
+    /// component. Vertices and the labels of components stay.
     pub(crate) fn retain(&mut self, keeps: impl Fn(u32, u32) -> bool) {
         let kept: Vec<usize> = (0..self.mesh.triangles.len())
             .filter(|&t| keeps(self.source_triangles[t], self.components[t]))
@@ -408,9 +408,9 @@ pub(super) fn compact(triangles: &mut [[u32; 3]], vertices: usize) -> Vec<u32> {
     old_indices
 }
 
-/// A triangle that is less high than this over its longest side, as a fraction of the diagonal of the bounding
-/// box, has no area. It is below the rounding of coordinates in single precision, where the
-/// normal of such a triangle means nothing.
+/// A triangle that is less high than this over its longest side, as a fraction of the diagonal of
+/// the bounding box, has no area. It is below the rounding of coordinates in single precision,
+/// where the normal of such a triangle means nothing.
 const LEAST_HEIGHT: f64 = 1e-8;
 
 /// Whether a triangle of the normalised mesh is, within rounding, no triangle.
@@ -432,12 +432,13 @@ pub(super) fn is_degenerate(positions: &[Vector], triangle: [u32; 3]) -> bool {
 // beyond the long edge is split at the middle vertex first: then nothing is missing without
 // the flat one.
 
-/// Flat triangles may lie on flat ones, and each pass mends one layer. A polygon's edge rarely has more vertices.
+/// Flat triangles may lie on flat ones, and each pass mends one layer. A polygon's edge rarely has
+/// more vertices.
 const MOST_PASSES: usize = 16;
 
-/// Splits the triangles beyond flat ones. Each flat triangle that is mended becomes one half of such a triangle
-/// and stands for the same triangle of the input, so `source_triangles` keeps naming the
-/// surface that a triangle is part of. Those on open and non-manifold edges remain.
+/// Splits the triangles beyond flat ones. Each flat triangle that is mended becomes one half of
+/// such a triangle and stands for the same triangle of the input, so `source_triangles` keeps
+/// naming the surface that a triangle is part of. Those on open and non-manifold edges remain.
 ///
 /// Triangles have three different vertices. Linear time per pass.
 fn split_beyond_flat(
@@ -563,9 +564,9 @@ fn drop_degenerate(
     (kept, candidates, degenerate)
 }
 
-/// Keeps one of the triangles that have the same vertices, wound as most of them are. Returns how many go, and
-/// for each triangle that is left whether there were as many of it one way round as the other:
-/// then it is a sheet without an inside, unless it bounds a solid.
+/// Keeps one of the triangles that have the same vertices, wound as most of them are. Returns how
+/// many go, and for each triangle that is left whether there were as many of it one way round as
+/// the other: then it is a sheet without an inside, unless it bounds a solid.
 ///
 /// Triangles are sorted by their least vertex by counting, then by the others in short runs.
 fn drop_duplicates(

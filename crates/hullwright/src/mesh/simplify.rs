@@ -1,8 +1,8 @@
 //! Mesh simplification [3.2]: fewer triangles, nearly the same surface.
 //!
-//! The work is done by meshoptimizer, in its port to Rust: edges are collapsed, those that change the surface least
-//! first, each onto one of its two vertices, so that a vertex of the result is exactly one of the
-//! source. It stops at the target alone, whatever the error.
+//! The work is done by meshoptimizer, in its port to Rust: edges are collapsed, those that change
+//! the surface least first, each onto one of its two vertices, so that a vertex of the result is
+//! exactly one of the source. It stops at the target alone, whatever the error.
 //!
 //! **When the target can't be reached.** The library never tears a surface and never joins two,
 //! so locked non-manifold vertices can keep it above the target; that is rare. More often it gets
@@ -34,26 +34,28 @@ use crate::parallel::leave_if_stopped;
 /// Far above any error that a mesh of diagonal 1 can have: only the target stops simplification.
 const ANY_ERROR: f32 = 10.0;
 
-/// Memory that the simplifier may take for each triangle, in bytes: three times the most that 471 meshes
-/// took, 342. (Closed meshes take 105.)
+/// Memory that the simplifier may take for each triangle, in bytes: three times the most that 471
+/// meshes took, 342. (Closed meshes take 105.)
 const BYTES_PER_TRIANGLE: usize = 1 << 10;
 
-/// Visits of records that the simplifier may count for each triangle. The 471 meshes took at most 304.
+/// Visits of records that the simplifier may count for each triangle. The 471 meshes took at most
+/// 304.
 const WORK_PER_TRIANGLE: u64 = 1 << 13;
 
 /// What meshes of a few triangles may take, in bytes and visits.
 const LEAST_LIMIT: u32 = 1 << 20;
 
-/// The library can't be stopped. Up to so many triangles it takes some milliseconds and runs on the calling thread.
+/// The library can't be stopped. Up to so many triangles it takes some milliseconds and runs on the
+/// calling thread.
 const WAITED_FOR: usize = 1 << 13;
 
-/// The simplifier gets coordinates rounded to a multiple of the diagonal over this. Of a mesh in double
-/// precision that was moved by a thousand of its sizes fewer digits are left than single precision keeps
-/// of the one that was not, and edges that cost the same would collapse in another order. (A coordinate
-/// between two multiples can still fall either way, but hardly one does.)
+/// The simplifier gets coordinates rounded to a multiple of the diagonal over this. Of a mesh in
+/// double precision that was moved by a thousand of its sizes fewer digits are left than single
+/// precision keeps of the one that was not, and edges that cost the same would collapse in another
+/// order. (A coordinate between two multiples can still fall either way, but hardly one does.)
 const GRID: f64 = (1_u32 << 22) as f64;
-// Vertices that welding leaves apart must not meet: the simplifier would take them for a seam. A cell's
-// diagonal is less than twice its side.
+// Vertices that welding leaves apart must not meet: the simplifier would take them for a seam. A
+// cell's diagonal is less than twice its side.
 const _: () = assert!(2.0 / GRID < WELD_TOLERANCE);
 
 /// The number of triangles to aim for: `triangles` times Q, rounded down, again and again until
@@ -179,8 +181,8 @@ fn collapse_edges(
 
 /// A mesh whose components share no vertex: where they touch, all but one have a copy.
 ///
-/// The library finds copies by their place and does not move them. It would move a shared vertex, and
-/// with it the triangles of one component into the other.
+/// The library finds copies by their place and does not move them. It would move a shared vertex,
+/// and with it the triangles of one component into the other.
 struct Separated<'a> {
     positions: Cow<'a, [Vector]>,
     triangles: Cow<'a, [[u32; 3]]>,
@@ -360,7 +362,8 @@ mod tests {
         }
     }
 
-    /// Simplified to a target, each vertex one of the source, and each used by a triangle with area.
+    /// Simplified to a target, each vertex one of the source, and each used by a triangle with
+    /// area.
     fn simplified(source: &TriangleMesh, components: &[u32], target: usize) -> SimplifiedMesh {
         let simplified = simplify(source, components, target, &Control::new()).unwrap();
         let mesh = &simplified.mesh;

@@ -1,16 +1,17 @@
 //! Vertices at the same place become one.
 //!
-//! A hash grid whose cells are much larger than the tolerance: nearly every vertex is compared
-//! with those of its own cell alone, and only one whose tolerance ball touches another cell with those there too.
+//! A hash grid whose cells are much larger than the tolerance: nearly every vertex is compared with
+//! those of its own cell alone, and only one whose tolerance ball touches another cell with those
+//! there too.
 
 use crate::control::Control;
 use crate::error::Error;
 use crate::geometry::vector::Vector;
 
-/// Vertices that are no farther apart are one, as a fraction of the bounding-box diagonal. Coordinates in
-/// single precision are rounded by up to 3e-8 of a box that is centred at the origin, a rotated or
-/// moved copy by several times that. The smallest triangle of an even mesh of a hundred million
-/// is a hundred times larger than this.
+/// Vertices that are no farther apart are one, as a fraction of the bounding-box diagonal.
+/// Coordinates in single precision are rounded by up to 3e-8 of a box that is centred at the
+/// origin, a rotated or moved copy by several times that. The smallest triangle of an even mesh of
+/// a hundred million is a hundred times larger than this.
 pub(crate) const WELD_TOLERANCE: f64 = 1e-6;
 
 /// Side of a cell over the tolerance: at 32 one vertex in six is near a second cell, and a cell
@@ -72,7 +73,8 @@ pub(crate) fn weld(positions: &[Vector], control: &Control) -> Result<Vec<u32>, 
     Ok(representatives)
 }
 
-/// Rounds down: without newer processors' instructions a call for each number takes a tenth of the time.
+/// Rounds down: without newer processors' instructions a call for each number takes a tenth of the
+/// time.
 #[inline]
 fn floor(x: f64) -> i64 {
     let towards_zero = x as i64;

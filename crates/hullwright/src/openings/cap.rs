@@ -1,8 +1,8 @@
 //! Caps: what would close the loops of the boundary.
 //!
-//! A loop that is flat within a tolerance gets a polygon of its own vertices. Loops that lie in the same
-//! plane inside of it and run the other way are its holes, as at the end of a lined pipe. A loop
-//! without width is a crack, whose two sides are zipped. Polygons are triangulated by ear
+//! A loop that is flat within a tolerance gets a polygon of its own vertices. Loops that lie in the
+//! same plane inside of it and run the other way are its holes, as at the end of a lined pipe. A
+//! loop without width is a crack, whose two sides are zipped. Polygons are triangulated by ear
 //! clipping (crate `earcut`).
 
 use earcut::Earcut;
@@ -13,7 +13,8 @@ use crate::geometry::TriangleMesh;
 use crate::geometry::vector::{Vector, area_normal, bounds};
 use crate::mesh::weld::WELD_TOLERANCE;
 
-/// A loop no wider than this is a crack: each of its sides lies within the weld distance of the true edge.
+/// A loop no wider than this is a crack: each of its sides lies within the weld distance of the
+/// true edge.
 const CRACK_WIDTH: f64 = 2.0 * WELD_TOLERANCE;
 
 /// On polygons made to that end, ear clipping takes the square of the number of vertices.
@@ -22,15 +23,16 @@ const MOST_VERTICES: usize = 10_000;
 /// Triangles of a polygon that does not cross itself add up to its area within this fraction.
 const AREA_TOLERANCE: f64 = 1e-6;
 
-/// Cosine of the angle between the normals of loops in one plane: 0.1 radians. Their distance is at most the
-/// flatness.
+/// Cosine of the angle between the normals of loops in one plane: 0.1 radians. Their distance is at
+/// most the flatness.
 const SAME_PLANE: f64 = 0.995;
 
-/// Of more loops none is looked for in another: that takes seconds, and it is a surface in pieces, which stays open.
+/// Of more loops none is looked for in another: that takes seconds, and it is a surface in pieces,
+/// which stays open.
 const MOST_PAIRED: usize = 4096;
 
-/// Corners nearer to the plane than this fraction of the diagonal lie in it: the rounding of single precision and
-/// welding stay below.
+/// Corners nearer to the plane than this fraction of the diagonal lie in it: the rounding of single
+/// precision and welding stay below.
 const IN_PLANE: f64 = 1e-5;
 
 /// Points that are tried along the line in which a triangle cuts the plane.
@@ -67,8 +69,8 @@ pub(super) struct LoopPlane {
     deviation: f64,
 }
 
-/// What fills each loop. `flatness` is a fraction of the diagonal. O(l²) for l flat loops up to [`MOST_PAIRED`], and
-/// their triangulation.
+/// What fills each loop. `flatness` is a fraction of the diagonal. O(l²) for l flat loops up to
+/// [`MOST_PAIRED`], and their triangulation.
 pub(super) fn fill_loops(positions: &[Vector], loops: &[Loop], flatness: f64) -> Vec<LoopFill> {
     let points_of = |found: &Loop| -> Vec<Vector> {
         found.vertices.iter().map(|&vertex| positions[vertex as usize]).collect()
@@ -294,7 +296,8 @@ impl Cap {
     }
 
     /// The median over the rim, by length, of the angle inside of the solid between the cap and the
-    /// surface, in radians: 0 where the surface folds back onto the cap, π where it goes straight on.
+    /// surface, in radians: 0 where the surface folds back onto the cap, π where it goes straight
+    /// on.
     pub(super) fn rim_angle(&self, mesh: &TriangleMesh, loops: &[Loop]) -> f64 {
         let rim = self.loops.iter().flat_map(|&index| loops[index].sides(mesh.points()));
         let angle = |(neighbour, length): (u32, f64)| {
@@ -323,7 +326,8 @@ fn distance_to_side(point: [f64; 2], a: [f64; 2], b: [f64; 2]) -> f64 {
     libm::hypot(arm[0] - share * along[0], arm[1] - share * along[1])
 }
 
-/// Whether a triangle of a mesh for which `counts` holds goes through the cap, farther than `margin` from its rim.
+/// Whether a triangle of a mesh for which `counts` holds goes through the cap, farther than
+/// `margin` from its rim.
 pub(super) fn is_cut(
     cap: &Cap,
     mesh: &TriangleMesh,

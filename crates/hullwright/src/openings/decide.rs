@@ -1,10 +1,11 @@
-//! Which caps are closed, and why others are not: the rules of `docs/openings.md`, by the same numbers. The first
-//! follows from `fill_loops`.
+//! Which caps are closed, and why others are not: the rules of `docs/openings.md`, by the same
+//! numbers. The first follows from `fill_loops`.
 //!
-//! What is seen through an opening decides most: the backs of faces, or their fronts. The back of a face that is drawn
-//! from one side is invisible. So where only backs are seen from a cap, the surface is the skin of a solid. Fronts, or a
-//! way out, mean that the inside is a room; except the fronts of other solids that are stuck into this one, which the
-//! ray leaves again through their backs.
+//! What is seen through an opening decides most: the backs of faces, or their fronts. The back of a
+//! face that is drawn from one side is invisible. So where only backs are seen from a cap, the
+//! surface is the skin of a solid. Fronts, or a way out, mean that the inside is a room; except the
+//! fronts of other solids that are stuck into this one, which the ray leaves again through their
+//! backs.
 
 use super::cap::{Cap, LoopFill, fill_loops, is_cut};
 use super::opening::{Loop, Opening, OpeningOutcome, boundary_loops};
@@ -17,18 +18,19 @@ use crate::mesh::PreparedMesh;
 use crate::parallel;
 use crate::parameters::{Length, Openings, Parameters, UpAxis};
 
-/// A cap that meets the surface around it at less than this, in radians (30°), closes a sheet onto itself.
+/// A cap that meets the surface around it at less than this, in radians (30°), closes a sheet onto
+/// itself.
 pub(super) const SHEET_ANGLE: f64 = std::f64::consts::PI / 6.0;
 
 /// The same where all openings are to be closed: a sheet that is flat has no solid on it.
 const FLAT_ANGLE: f64 = SHEET_ANGLE / 6.0;
 
-/// A point this far beyond a cap, as a fraction of the diagonal, is on one side of it: above rounding, below
-/// visible sizes.
+/// A point this far beyond a cap, as a fraction of the diagonal, is on one side of it: above
+/// rounding, below visible sizes.
 const BEYOND: f64 = 1e-6;
 
-/// Where caps close less than this fraction of what stays open, by length, little is gained: a mesh of
-/// fragments takes a few hulls more with a few caps.
+/// Where caps close less than this fraction of what stays open, by length, little is gained: a mesh
+/// of fragments takes a few hulls more with a few caps.
 const LEAST_CLOSED: f64 = 0.1;
 
 /// Points that rays start from, spread over the cap by area.
@@ -40,8 +42,8 @@ const RAYS_PER_POINT: usize = 4;
 /// Through the opening of a solid no more than this fraction of the rays sees anything.
 const MOST_SEEN: f64 = 0.05;
 
-/// Where more of the rays than this only see another cap, there is too little surface to decide: between the rim
-/// of a cup and that of its liner a little below.
+/// Where more of the rays than this only see another cap, there is too little surface to decide:
+/// between the rim of a cup and that of its liner a little below.
 const MOST_CAPPED: f64 = 0.5;
 
 /// Points of every cap that rays start from before any cap has more of them. A surface that is no
@@ -101,7 +103,8 @@ pub(super) struct Closing {
 /// A cap, and whether it is closed or why not.
 type JudgedCap = (Cap, OpeningOutcome);
 
-/// Judges each opening of a repaired mesh. The materials of `source` say which sides of faces are drawn.
+/// Judges each opening of a repaired mesh. The materials of `source` say which sides of faces are
+/// drawn.
 pub(super) fn judge(
     prepared: &PreparedMesh,
     source: MeshView<'_>,
@@ -173,7 +176,8 @@ impl Judge<'_> {
         Ok(closing)
     }
 
-    /// Judges caps anew. `outcome` gives the new one, or `None` where it stays. Whether any has changed.
+    /// Judges caps anew. `outcome` gives the new one, or `None` where it stays. Whether any has
+    /// changed.
     fn update(
         &self,
         caps: &mut [JudgedCap],
@@ -244,7 +248,8 @@ impl Judge<'_> {
         }
     }
 
-    /// The end of rule 6: of the caps within the solid, those that reach out of it become surface. All openings are closed.
+    /// The end of rule 6: of the caps within the solid, those that reach out of it become surface.
+    /// All openings are closed.
     fn close_exposed(&self, caps: &mut [JudgedCap]) -> Result<(), Error> {
         if caps.iter().all(|(_, outcome)| *outcome != OpeningOutcome::ClosedWithin) {
             return Ok(());
@@ -263,7 +268,8 @@ impl Judge<'_> {
         Ok(())
     }
 
-    /// Whether most of the surface around a cap, by the length of its rim, is drawn from both sides.
+    /// Whether most of the surface around a cap, by the length of its rim, is drawn from both
+    /// sides.
     fn is_two_sided(&self, cap: &Cap) -> bool {
         let Self { prepared, source, .. } = self;
         let (mut two, mut whole) = (0.0, 0.0);
@@ -505,9 +511,10 @@ fn is_solid_beyond(
     inside > outside
 }
 
-/// Through which triangle a ray that starts in the solid leaves it, if it does: through one back more than
-/// fronts. A part of another solid that is stuck into this one shows its front, and then its own back. `counts` says which
-/// triangles are there, and `meets` is called for those on the way.
+/// Through which triangle a ray that starts in the solid leaves it, if it does: through one back
+/// more than fronts. A part of another solid that is stuck into this one shows its front, and then
+/// its own back. `counts` says which triangles are there, and `meets` is called for those on the
+/// way.
 fn leaves_through(
     bvh: &Bvh,
     [origin, direction]: [Vector; 2],

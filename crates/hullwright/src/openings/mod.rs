@@ -1,8 +1,8 @@
 //! Openings: the sides that modellers leave out because they are never seen.
 //!
-//! A crate without a bottom is a shell to every decomposer, and takes many thin hulls. Here the flat
-//! openings of the repaired mesh are found, and those are closed through which only the backs of
-//! faces are seen. What follows works on the closed solid, and its promises are about that.
+//! A crate without a bottom is a shell to every decomposer, and takes many thin hulls. Here the
+//! flat openings of the repaired mesh are found, and those are closed through which only the backs
+//! of faces are seen. What follows works on the closed solid, and its promises are about that.
 //!
 //! | file | contents |
 //! |---|---|
@@ -12,8 +12,8 @@
 //! | `narrow` | openings that no ball passes, in what is there both ways round |
 //! | `prepare` | the repaired mesh with its caps, without nested shells; also as a public result |
 //!
-//! A closed mesh whose normals all point inward has no opening: repair turns it around, since exporters that
-//! mirror are more common than rooms without a door.
+//! A closed mesh whose normals all point inward has no opening: repair turns it around, since
+//! exporters that mirror are more common than rooms without a door.
 
 mod cap;
 mod decide;

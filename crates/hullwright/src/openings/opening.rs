@@ -1,7 +1,7 @@
 //! Openings: the boundary of a surface as simple loops, and what became of each.
 //!
-//! A half-edge is on the boundary where more triangles run along its edge one way than the other. What
-//! closes the surface runs the other way: the loops here do. A T-junction, a long edge with
+//! A half-edge is on the boundary where more triangles run along its edge one way than the other.
+//! What closes the surface runs the other way: the loops here do. A T-junction, a long edge with
 //! vertices of its neighbours on it, is a loop without width.
 
 use crate::geometry::vector::{Vector, mean};

@@ -4,10 +4,10 @@
 //! repair → judge the openings → cap those that are closed → repair → judge again → drop nested shells
 //! ```
 //!
-//! A nested shell is a closed component that nothing outside can reach. One all of whose surface has solid on both
-//! sides, such as a board within a wall, adds nothing. One with solid all around it and nothing within is a cavity, as
-//! the inner faces of a crate are: no body gets there, so it is filled. Components that overlap others in part stay as
-//! they are.
+//! A nested shell is a closed component that nothing outside can reach. One all of whose surface
+//! has solid on both sides, such as a board within a wall, adds nothing. One with solid all around
+//! it and nothing within is a cavity, as the inner faces of a crate are: no body gets there, so it
+//! is filled. Components that overlap others in part stay as they are.
 
 use super::decide::{Closing, OpeningSettings, judge};
 use super::narrow::close_narrow;
@@ -30,8 +30,8 @@ const PASSES: usize = 3;
 /// Points on a component's triangles that are tried, at most.
 const SAMPLES: usize = 24;
 
-/// Distance of the samples from the surface, on both sides, as a fraction of the diagonal: more than welding moves a
-/// surface, less than any wall that counts.
+/// Distance of the samples from the surface, on both sides, as a fraction of the diagonal: more
+/// than welding moves a surface, less than any wall that counts.
 const STEP: f64 = 1e-4;
 
 /// Filling a cavity puts what lay loose in it within the solid: that is found in the next pass.
@@ -60,11 +60,11 @@ impl Closed {
     }
 }
 
-/// Repairs a mesh, closes its openings, and drops what is within the solid. In `source_triangles` caps
-/// stand as [`CAP`]. The counts of repairs are those of the mesh as it came.
+/// Repairs a mesh, closes its openings, and drops what is within the solid. In `source_triangles`
+/// caps stand as [`CAP`]. The counts of repairs are those of the mesh as it came.
 ///
-/// Takes as long as repair where nothing is open; otherwise some hundred rays for each flat opening, and
-/// repair once more where one is closed.
+/// Takes as long as repair where nothing is open; otherwise some hundred rays for each flat
+/// opening, and repair once more where one is closed.
 pub(crate) fn prepare_closed(
     source: MeshView<'_>,
     settings: &OpeningSettings,
@@ -147,7 +147,8 @@ fn hide(prepared: &mut PreparedMesh) {
 
 /// Drops the closed components that are within the solid. Returns how many.
 ///
-/// Components whose box lies in no other's are passed over, and most others end with the first sample.
+/// Components whose box lies in no other's are passed over, and most others end with the first
+/// sample.
 fn drop_nested(prepared: &mut PreparedMesh, control: &Control) -> Result<usize, Error> {
     let mut dropped = 0;
     for _ in 0..NESTED_PASSES {
@@ -197,8 +198,8 @@ fn boxed_in(prepared: &PreparedMesh) -> Vec<(usize, Vec<u32>)> {
     found.into_iter().map(|own| (own, std::mem::take(&mut members[own]))).collect()
 }
 
-/// Whether all samples have solid on both sides, or all on the side behind the surface with nothing in front
-/// of it while the component is wound inward.
+/// Whether all samples have solid on both sides, or all on the side behind the surface with nothing
+/// in front of it while the component is wound inward.
 fn is_nested(prepared: &PreparedMesh, triangles: &[u32], bvh: &Bvh) -> bool {
     let step = triangles.len().div_ceil(SAMPLES).max(1);
     let sides = |&triangle: &u32| {
@@ -226,8 +227,8 @@ pub struct ClosedMesh {
     pub mesh: TriangleMesh,
     /// How many of the triangles, the last ones, are caps. Those within the solid are left out.
     pub caps: usize,
-    /// The triangles by whose winding number a point is inside, over the vertices of `mesh`: the surface, sheets
-    /// both ways round, and the caps within the solid.
+    /// The triangles by whose winding number a point is inside, over the vertices of `mesh`: the
+    /// surface, sheets both ways round, and the caps within the solid.
     pub solid: Vec<[u32; 3]>,
     /// The openings, closed and left.
     pub openings: Vec<Opening>,
@@ -235,8 +236,8 @@ pub struct ClosedMesh {
     pub nested_components: usize,
 }
 
-/// Repairs a mesh and closes its openings as [`decompose`](crate::decompose) does with these parameters.
-/// Almost linear time.
+/// Repairs a mesh and closes its openings as [`decompose`](crate::decompose) does with these
+/// parameters. Almost linear time.
 ///
 /// # Errors
 /// As [`inspect`](crate::inspect()), and [`Error::Cancelled`].

@@ -1,9 +1,10 @@
 //! How near the centre of a ball can come to a point.
 //!
-//! Cells of the grid that may hold centres are divided in eight, and those parts again, where a point is compared with
-//! them. A part with a half diagonal δ, whose middle m is D away from the closest point q of the surface, holds no centre
-//! if D + δ < r. Otherwise its centres lie in the part itself, and beyond a plane: they are r away from q at least, and
-//! off the line from q to m by δ at most.
+//! Cells of the grid that may hold centres are divided in eight, and those parts again, where a
+//! point is compared with them. A part with a half diagonal δ, whose middle m is D away from the
+//! closest point q of the surface, holds no centre if D + δ < r. Otherwise its centres lie in the
+//! part itself, and beyond a plane: they are r away from q at least, and off the line from q to m
+//! by δ at most.
 //!
 //! ```text
 //!         ┌───────┐
@@ -14,9 +15,10 @@
 //!   ▓▓▓▓▓▓▓▓▓▓q▓▓▓▓▓▓▓▓▓▓
 //! ```
 //!
-//! The same holds for any other point of the surface. Where a ball rests on several edges, each has a plane, and what
-//! is left of a small part is a polytope. How far a point is from all such polytopes bounds the distance from all centres
-//! from below. This bound depends on the point alone, and changes no faster than it moves.
+//! The same holds for any other point of the surface. Where a ball rests on several edges, each has
+//! a plane, and what is left of a small part is a polytope. How far a point is from all such
+//! polytopes bounds the distance from all centres from below. This bound depends on the point
+//! alone, and changes no faster than it moves.
 
 use std::sync::OnceLock;
 
@@ -28,12 +30,12 @@ use crate::control::Control;
 use crate::error::Error;
 use crate::geometry::vector::{Vector, squared};
 
-/// Half the side of a part that is not divided, as a fraction of the bound, at most: its planes are off by its squared
-/// half diagonal over the diameter.
+/// Half the side of a part that is not divided, as a fraction of the bound, at most: its planes are
+/// off by its squared half diagonal over the diameter.
 const LEAST_HALF: f64 = 0.1;
 
-/// A ball that is entered farther than this, as a fraction of the radius, shows nothing: only the distance from the mesh
-/// counts. Otherwise a ball smaller than the bound could vanish in hulls.
+/// A ball that is entered farther than this, as a fraction of the radius, shows nothing: only the
+/// distance from the mesh counts. Otherwise a ball smaller than the bound could vanish in hulls.
 const MOST_ENTERED: f64 = 0.5;
 
 /// More than the rounding of distances, as a fraction of the diagonal.
@@ -42,7 +44,8 @@ const ROUNDING: f64 = 1e-9;
 /// Children of a part from the nearest to a point to the farthest, as differences from the nearest.
 const NEAREST_FIRST: [usize; 8] = [0, 1, 2, 4, 3, 5, 6, 7];
 
-/// Steps of the dual ascent, each over all planes: two planes at right angles take one. Any number gives a valid bound.
+/// Steps of the dual ascent, each over all planes: two planes at right angles take one. Any number
+/// gives a valid bound.
 const STEPS: usize = 12;
 
 /// A part of a cell.
@@ -110,7 +113,8 @@ impl Cube {
         Self { middle: self.middle + self.towards(index) * 0.5, half: 0.5 * self.half }
     }
 
-    /// The plane that centres in the cube are beyond, since they stay `clear` away from a point of the surface.
+    /// The plane that centres in the cube are beyond, since they stay `clear` away from a point of
+    /// the surface.
     fn plane(&self, on_surface: Vector, clear: f64) -> Option<Plane> {
         let (along, radius) = (self.middle - on_surface, self.radius());
         let distance = along.length();
@@ -122,8 +126,8 @@ impl Cube {
         Some(Plane { normal, offset: normal.dot(on_surface) + height })
     }
 
-    /// No point of the cube beyond all planes is nearer to any point of a part of a face than this. As much as `needed`
-    /// is enough.
+    /// No point of the cube beyond all planes is nearer to any point of a part of a face than this.
+    /// As much as `needed` is enough.
     fn distance_beyond(&self, planes: &[Plane], of: &Extent, needed: f64) -> f64 {
         let point = of.centre;
         // Of the cube, only its sides towards the point matter.
@@ -142,8 +146,8 @@ impl Cube {
                 count += 1;
             }
         }
-        // The dual of the projection onto the planes, one after the other (Hildreth, "A quadratic programming
-        // procedure", 1957).
+        // The dual of the projection onto the planes, one after the other (Hildreth, "A quadratic
+        // programming procedure", 1957).
         let all = &all[..count];
         let mut weights = [0.0_f64; MAX_PLANES + 3];
         let mut moved = Vector::ZERO;
@@ -173,7 +177,8 @@ impl Cube {
 /// The ascent ends with a step that gains less than this share.
 const LEAST_GAIN: f64 = 1e-3;
 
-/// Distance between samples along an axis, as a fraction of the bound: no point is farther than 0.7 of it from one.
+/// Distance between samples along an axis, as a fraction of the bound: no point is farther than 0.7
+/// of it from one.
 const SPACING: f64 = 0.8;
 
 /// What samples may be too large by, as a fraction of the distance between them.
@@ -266,7 +271,8 @@ impl Probe {
         Ok(Self::within_reach(reach, bounds, [radius, clear, least_half, bound]))
     }
 
-    /// The same with larger parts, whose half side is `least_half`: for fewer places, known less exactly.
+    /// The same with larger parts, whose half side is `least_half`: for fewer places, known less
+    /// exactly.
     #[cfg(feature = "fill")]
     pub(super) fn coarser(&self, least_half: f64) -> Self {
         let sizes = [self.radius, self.clear, least_half, self.radius];
@@ -308,8 +314,8 @@ impl Probe {
         self.clearance(search) < self.radius
     }
 
-    /// How much farther a point is from all centres than the radius, within `limit` of zero, and no farther from it. Off by
-    /// `tolerance` at most.
+    /// How much farther a point is from all centres than the radius, within `limit` of zero, and no
+    /// farther from it. Off by `tolerance` at most.
     #[cfg(feature = "fill")]
     pub(super) fn beyond_reach(
         &self,
@@ -325,13 +331,14 @@ impl Probe {
         (clearance - tolerance).clamp(enough, most) - self.radius
     }
 
-    /// Whether no ball is entered at a point by more than `bound`, and none by more than half its radius.
+    /// Whether no ball is entered at a point by more than `bound`, and none by more than half its
+    /// radius.
     pub fn allows(&self, tree: &Bvh, point: Vector, bound: f64) -> bool {
         self.allows_all(tree, &Extent::point(point), bound)
     }
 
-    /// How far balls are entered at a point, at most. Exact where that is more than `known`. `None` if it may be more
-    /// than `limit` or half their radius.
+    /// How far balls are entered at a point, at most. Exact where that is more than `known`. `None`
+    /// if it may be more than `limit` or half their radius.
     pub fn entered(&self, tree: &Bvh, point: Vector, known: f64, limit: f64) -> Option<f64> {
         let needed = self.radius - known.min(self.most_entered());
         let (least, most) = self.clearance_by_sample(tree, point);
@@ -347,8 +354,8 @@ impl Probe {
         (clearance >= least).then_some(self.radius - clearance)
     }
 
-    /// Whether no ball is entered by more than `bound` at any point of a part of a face. `false` if that is not known
-    /// at once.
+    /// Whether no ball is entered by more than `bound` at any point of a part of a face. `false` if
+    /// that is not known at once.
     pub fn allows_all(&self, tree: &Bvh, of: &Extent, bound: f64) -> bool {
         let needed = self.radius - bound.min(self.most_entered());
         let (least, most) = self.clearance_by_sample(tree, of.centre);
@@ -359,7 +366,8 @@ impl Probe {
         most >= needed && self.clearance(search) >= needed
     }
 
-    /// How far balls are entered that can be entered farther by `more`; `None` as in [`entered`](Self::entered).
+    /// How far balls are entered that can be entered farther by `more`; `None` as in
+    /// [`entered`](Self::entered).
     pub fn entered_around(&self, entered: f64, more: f64) -> Option<f64> {
         let most = entered + more;
         (most <= self.most_entered()).then_some(most)
@@ -387,8 +395,8 @@ impl Probe {
         (known - slack - away, most)
     }
 
-    /// No centre is nearer to a point, or to any point of a part, than this less the slack. At most `nearest`; any value
-    /// below `enough` if that is not reached.
+    /// No centre is nearer to a point, or to any point of a part, than this less the slack. At most
+    /// `nearest`; any value below `enough` if that is not reached.
     fn clearance(&self, mut search: Search<'_>) -> f64 {
         let Search { tree, of, nearest: most, enough, slack } = search;
         let (reach, point) = (&self.reach, of.centre);
@@ -485,8 +493,8 @@ impl Probe {
             let child = |k| Part::new(tree, cube.child(k).middle, part.triangle);
             return Within::Children(Box::new(std::array::from_fn(child)));
         }
-        // Those nearest first. Parts beside the same convex piece of the surface have points no farther apart than the
-        // parts are, and planes that say about the same.
+        // Those nearest first. Parts beside the same convex piece of the surface have points no
+        // farther apart than the parts are, and planes that say about the same.
         let mut planes: Vec<Plane> = cube.plane(part.nearest, self.clear).into_iter().collect();
         let mut points = vec![part.nearest];
         let mut next = above;

@@ -1,7 +1,7 @@
 //! Samples of a distance, computed on demand: what is known at a sample bounds the distance nearby.
 //!
-//! A sample is filled when it is first needed, with a value that depends on its place alone. So threads may fill it at
-//! the same time.
+//! A sample is filled when it is first needed, with a value that depends on its place alone. So
+//! threads may fill it at the same time.
 
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicU32, Ordering};

@@ -1,8 +1,10 @@
-//! The surface of what no ball reaches, where it is off the mesh: for display, and no part of what is promised.
+//! The surface of what no ball reaches, where it is off the mesh: for display, and no part of what
+//! is promised.
 //!
-//! Points are filled that are at least the radius away from all centres. Samples of that distance on a grid become
-//! triangles by surface nets (Gibson, "Constrained elastic surface nets", 1998; `fast-surface-nets`). On the mesh the
-//! surface of what is filled is the mesh's own, and is left out. O(samples), each with some queries of the tree.
+//! Points are filled that are at least the radius away from all centres. Samples of that distance
+//! on a grid become triangles by surface nets (Gibson, "Constrained elastic surface nets", 1998;
+//! `fast-surface-nets`). On the mesh the surface of what is filled is the mesh's own, and is left
+//! out. O(samples), each with some queries of the tree.
 
 use fast_surface_nets::ndshape::RuntimeShape;
 use fast_surface_nets::{SurfaceNetsBuffer, surface_nets};
@@ -18,10 +20,12 @@ use crate::parallel;
 /// Cells along the radius: what balls roll over is round to the eye.
 const CELLS_PER_RADIUS: f64 = 6.0;
 
-/// The side of a cell as a fraction of the diagonal, at most: a ball of any size shows the mesh's shape.
+/// The side of a cell as a fraction of the diagonal, at most: a ball of any size shows the mesh's
+/// shape.
 const LARGEST_CELL: f64 = 0.0125;
 
-/// Samples at most. Where they are not enough, cells are larger. They take a second or two on one thread.
+/// Samples at most. Where they are not enough, cells are larger. They take a second or two on one
+/// thread.
 const MAX_SAMPLES: f64 = 200_000.0;
 
 /// Factor by which cells grow until they are few enough.
@@ -30,10 +34,12 @@ const GROWTH: f64 = 1.05;
 /// Cells beyond the mesh's box on each side: nothing outside it is filled.
 const MARGIN: f64 = 2.0;
 
-/// What is nearer to the mesh than this many cells is on it: more than a net over a flat face is off.
+/// What is nearer to the mesh than this many cells is on it: more than a net over a flat face is
+/// off.
 const ON_MESH: f64 = 0.5;
 
-/// Half the side of the smallest parts of space that are told apart, in cells: their planes are off by 0.02 cells.
+/// Half the side of the smallest parts of space that are told apart, in cells: their planes are off
+/// by 0.02 cells.
 const LEAST_HALF: f64 = 0.25;
 
 /// What samples may be off, in cells.
@@ -44,11 +50,11 @@ const TOLERANCE: f64 = 0.1;
 #[non_exhaustive]
 #[derive(Debug, Clone, PartialEq)]
 pub struct FilledSurface {
-    /// Its triangles, counter-clockwise seen from where balls are. Open where it meets the mesh; empty where nothing is
-    /// filled.
+    /// Its triangles, counter-clockwise seen from where balls are. Open where it meets the mesh;
+    /// empty where nothing is filled.
     pub mesh: TriangleMesh,
-    /// The side of a cell of the grid. The surface is off by about a quarter of that. What is filled less than half a
-    /// cell high, or is narrower than a cell, is missing.
+    /// The side of a cell of the grid. The surface is off by about a quarter of that. What is
+    /// filled less than half a cell high, or is narrower than a cell, is missing.
     pub cell: f64,
 }
 
@@ -133,7 +139,8 @@ mod tests {
         mesh.filled(&control).unwrap()
     }
 
-    /// A floor and four walls around a shaft of 0.4 by 0.4 that is 0.6 deep; its rim is at a height of 0.
+    /// A floor and four walls around a shaft of 0.4 by 0.4 that is 0.6 deep; its rim is at a height
+    /// of 0.
     fn cup() -> TriangleMesh {
         join(&[
             cuboid([-0.3, -0.3, -0.7], [0.3, 0.3, -0.6]),

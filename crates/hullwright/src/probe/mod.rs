@@ -1,10 +1,10 @@
-//! The probe: which places a ball can reach from outside, and how near it comes to a point. What no ball reaches may
-//! be filled.
+//! The probe: which places a ball can reach from outside, and how near it comes to a point. What no
+//! ball reaches may be filled.
 //!
-//! Biochemistry calls what a probe leaves the solvent-excluded volume (Connolly, "Analytical molecular surface
-//! calculation", 1983); in image processing it is a closing by a ball, restricted to what is connected to the outside.
-//! No promise rests on a surface of it; `filled` makes one to look at. A point is as safe as it is far from all centres
-//! that balls can have:
+//! Biochemistry calls what a probe leaves the solvent-excluded volume (Connolly, "Analytical
+//! molecular surface calculation", 1983); in image processing it is a closing by a ball, restricted
+//! to what is connected to the outside. No promise rests on a surface of it; `filled` makes one to
+//! look at. A point is as safe as it is far from all centres that balls can have:
 //!
 //! ```text
 //!        centres          no centre is nearer than `clearance`: no ball is entered
@@ -14,7 +14,8 @@
 //!   ▓▓▓▓▓▓  •  ▓▓▓▓▓▓
 //! ```
 //!
-//! Whatever is not certain counts as reached: so what is promised holds for balls and not only for cells.
+//! Whatever is not certain counts as reached: so what is promised holds for balls and not only for
+//! cells.
 //!
 //! | file | contents |
 //! |---|---|

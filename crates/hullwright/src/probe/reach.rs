@@ -1,13 +1,14 @@
 //! Where the centre of a ball can be: a grid of cells, flooded from outside and from given points.
 //!
-//! A centre is at least the radius away from the surface. Distance is 1-Lipschitz: a cell with a half diagonal δ whose
-//! own centre is nearer than the radius less δ holds none. A path of centres passes from cell to cell across faces,
-//! edges and corners, and never through such a cell: so the flood misses none that a ball can reach. It may find more,
-//! through openings that are narrower than the ball by up to 4 δ.
+//! A centre is at least the radius away from the surface. Distance is 1-Lipschitz: a cell with a
+//! half diagonal δ whose own centre is nearer than the radius less δ holds none. A path of centres
+//! passes from cell to cell across faces, edges and corners, and never through such a cell: so the
+//! flood misses none that a ball can reach. It may find more, through openings that are narrower
+//! than the ball by up to 4 δ.
 //!
-//! So a second flood goes only where a ball certainly can: between cells whose centres are so far from the surface that a
-//! ball passes from one to the other. What the first one reaches far from these is in doubt, and flooded again in smaller
-//! cells.
+//! So a second flood goes only where a ball certainly can: between cells whose centres are so far
+//! from the surface that a ball passes from one to the other. What the first one reaches far from
+//! these is in doubt, and flooded again in smaller cells.
 
 use crate::bvh::Bvh;
 use crate::control::Control;
@@ -20,22 +21,24 @@ use crate::parameters::Length;
 /// Cells along the radius.
 const CELLS_PER_RADIUS: f64 = 2.0;
 
-/// Maximum number of cells. Where it is not enough they are larger, and less is known to be out of reach.
+/// Maximum number of cells. Where it is not enough they are larger, and less is known to be out of
+/// reach.
 const MAX_CELLS: f64 = 1_000_000.0;
 
 /// Factor by which cells grow until they are few enough.
 const GROWTH: f64 = 1.05;
 
-/// Cells along each axis beyond the radius around the mesh: the grid's border can be reached from far away.
+/// Cells along each axis beyond the radius around the mesh: the grid's border can be reached from
+/// far away.
 const BORDER: f64 = 2.0;
 
-/// Cells in doubt are divided into this many along each axis: openings narrower than 0.89 diameters count as closed,
-/// instead of 0.57.
+/// Cells in doubt are divided into this many along each axis: openings narrower than 0.89 diameters
+/// count as closed, instead of 0.57.
 const FINE: usize = 4;
 const PARTS: usize = FINE * FINE * FINE;
 
-/// Cells in doubt that are divided, at most: each takes up to [`PARTS`] queries of the tree. Where there are more, all
-/// count as reached.
+/// Cells in doubt that are divided, at most: each takes up to [`PARTS`] queries of the tree. Where
+/// there are more, all count as reached.
 const MAX_DOUBTFUL: usize = 3000;
 
 /// The parameters of the probe. Lengths are fractions of the diagonal.
@@ -106,9 +109,9 @@ pub(super) struct Reach {
 }
 
 impl Reach {
-    /// The cells around a surface within a box that the centre of a ball of a radius may reach which stays at least `clear` away.
-    /// The size of cells follows the radius. O(cells), and a query of the tree for each cell about that far from the
-    /// surface.
+    /// The cells around a surface within a box that the centre of a ball of a radius may reach
+    /// which stays at least `clear` away. The size of cells follows the radius. O(cells), and a
+    /// query of the tree for each cell about that far from the surface.
     ///
     /// # Errors
     /// [`Error::Cancelled`].
@@ -153,7 +156,8 @@ impl Reach {
         Ok(reach)
     }
 
-    /// A row of cells by their distances from the surface alone, with a lower bound of these. The surface is in a box.
+    /// A row of cells by their distances from the surface alone, with a lower bound of these. The
+    /// surface is in a box.
     fn row(
         &self,
         tree: &Bvh,
@@ -185,8 +189,8 @@ impl Reach {
         (0..self.dimensions[0]).map(cell).collect()
     }
 
-    /// From a cell that is not of the border to three that share a face with it; the other three are in the opposite
-    /// directions.
+    /// From a cell that is not of the border to three that share a face with it; the other three
+    /// are in the opposite directions.
     fn beside(&self) -> [usize; 3] {
         let [width, height, _] = self.dimensions;
         [1, width, width * height]
@@ -200,15 +204,16 @@ impl Reach {
         rows.into_iter().flat_map(|row| steps.map(|x| row + x)).filter(|&step| step != 0).collect()
     }
 
-    /// The cells of the two outermost layers, none of which is closed, and those of the given points.
+    /// The cells of the two outermost layers, none of which is closed, and those of the given
+    /// points.
     fn starts(&self, from: &[Vector]) -> Vec<Place> {
         let cells = (0..self.cells.len()).map(|index| self.place_of(index));
         let outermost = cells.filter(|&place| self.layer(place) <= 1);
         outermost.chain(from.iter().map(|&point| self.place(point))).collect()
     }
 
-    /// The cells that are not closed and connected to the starts by some steps, where the flood may pass between two
-    /// cells. It does not leave the border, beyond which there are no cells.
+    /// The cells that are not closed and connected to the starts by some steps, where the flood may
+    /// pass between two cells. It does not leave the border, beyond which there are no cells.
     fn flooded(
         &self,
         starts: &[Place],
@@ -252,7 +257,8 @@ impl Reach {
         }
     }
 
-    /// Closes cells that are neither certain, nor beside such a cell, nor connected to these through smaller cells.
+    /// Closes cells that are neither certain, nor beside such a cell, nor connected to these
+    /// through smaller cells.
     fn close_doubtful(
         &mut self,
         tree: &Bvh,
@@ -280,7 +286,8 @@ impl Reach {
         });
         let mut parts = parts.into_iter().collect::<Result<Vec<[bool; PARTS]>, Error>>()?;
         let mut reached = vec![false; doubtful.len()];
-        // From each part, what is beside it: a part that is reached is closed, so that it is visited once.
+        // From each part, what is beside it: a part that is reached is closed, so that it is
+        // visited once.
         let fine_place = |rank: usize, part: usize| {
             let inner = [part % FINE, part / FINE % FINE, part / FINE / FINE];
             let place = self.place_of(doubtful[rank]);
@@ -371,7 +378,8 @@ impl Reach {
     }
 }
 
-/// A part of that radius holds no centre if its middle is so near to the surface, however the square is rounded.
+/// A part of that radius holds no centre if its middle is so near to the surface, however the
+/// square is rounded.
 fn closed_within(clear: f64, radius: f64) -> f64 {
     (clear - radius) * (1.0 - 1e-12)
 }

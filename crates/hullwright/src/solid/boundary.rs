@@ -1,17 +1,18 @@
 //! The edges where a surface ends, and how fast the winding number changes near them.
 //!
 //! The gradient of the winding number is that of the solid angle of the boundary curve. It is the
-//! field of a current along that curve (Biot and Savart): each edge adds at most its length over its
-//! squared distance, and at most two over its distance, over 4π. What triangles lie between the
-//! edges does not matter, nor how many, nor which way they face. So the sum over the edges bounds the
-//! gradient anywhere, but on the surface, where the number jumps.
+//! field of a current along that curve (Biot and Savart): each edge adds at most its length over
+//! its squared distance, and at most two over its distance, over 4π. What triangles lie between the
+//! edges does not matter, nor how many, nor which way they face. So the sum over the edges bounds
+//! the gradient anywhere, but on the surface, where the number jumps.
 //!
 //! Edges far away count by groups: a sum takes O(log n) typically.
 //!
-//! Of few edges the winding number itself is known, except for rounding. From a point, an edge that is swept to infinity
-//! in a direction is a spherical triangle of the edge's ends and the direction. Its angle jumps where the ray the other
-//! way passes the edge, and so do the [crossings](crate::bvh::Bvh::crossings) of that ray with the triangles that end
-//! there: together they are the winding number of an open surface. Very near the jump neither is known.
+//! Of few edges the winding number itself is known, except for rounding. From a point, an edge that
+//! is swept to infinity in a direction is a spherical triangle of the edge's ends and the
+//! direction. Its angle jumps where the ray the other way passes the edge, and so do the
+//! [crossings](crate::bvh::Bvh::crossings) of that ray with the triangles that end there: together
+//! they are the winding number of an open surface. Very near the jump neither is known.
 
 use std::f64::consts::TAU;
 
@@ -26,8 +27,8 @@ const FAR: f64 = 0.5;
 /// Edges in a group that are summed one by one.
 const LEAF: usize = 4;
 
-/// Edges at most, each as often as it counts, whose shares of the winding number are summed up, one by one. The
-/// expansion takes as long as a hundred.
+/// Edges at most, each as often as it counts, whose shares of the winding number are summed up, one
+/// by one. The expansion takes as long as a hundred.
 const FEW_EDGES: u64 = 72;
 
 /// A full solid angle.
@@ -116,15 +117,15 @@ impl Boundary {
         self.edges.is_empty()
     }
 
-    /// The winding number about a point of what continues the surface from its boundary to infinity,
-    /// the opposite way of [the ray's](crate::bvh::Bvh::crossings): together they are closed. `None` if
-    /// that ray hits the boundary, or the edges are many. O(n) for n edges.
+    /// The winding number about a point of what continues the surface from its boundary to
+    /// infinity, the opposite way of [the ray's](crate::bvh::Bvh::crossings): together they are
+    /// closed. `None` if that ray hits the boundary, or the edges are many. O(n) for n edges.
     pub(crate) fn winding_number_beyond(&self, point: Vector) -> Option<f64> {
         swept_winding_number(self.swept.as_ref()?, point)
     }
 
-    /// The slope of the winding number at a point; where its gradient is above `limit`, any gradient
-    /// above that. `nearest` is a lower bound on the distance to the surface.
+    /// The slope of the winding number at a point; where its gradient is above `limit`, any
+    /// gradient above that. `nearest` is a lower bound on the distance to the surface.
     pub(crate) fn slope(&self, point: Vector, nearest: f64, limit: f64) -> Slope {
         let mut slope = Slope { gradient: 0.0, clearance: f64::INFINITY };
         let mut next = 0;
@@ -224,11 +225,12 @@ fn build(edges: &mut [Edge], range: std::ops::Range<usize>, groups: &mut Vec<Gro
 /// Edges at once.
 const LANES: usize = 4;
 
-/// An edge that is this near to the ray, in radians, may be on either side of it: far more than rounding.
+/// An edge that is this near to the ray, in radians, may be on either side of it: far more than
+/// rounding.
 const ON_RAY: f64 = 1e-9;
 
-/// Where edges that fill up the lanes are behind the ray's start, as a multiple of the ray's direction: their angle is
-/// zero.
+/// Where edges that fill up the lanes are behind the ray's start, as a multiple of the ray's
+/// direction: their angle is zero.
 const FAR_BEHIND: f64 = -1e3;
 
 /// Edges that are swept. Axis by axis.
@@ -276,8 +278,8 @@ fn swept_winding_number(edges: &[SweptEdges], point: Vector) -> Option<f64> {
     Some(turns.into_iter().fold(Turns::NONE, Turns::joined).total())
 }
 
-/// Half the solid angles as the arguments of complex numbers (Van Oosterom and Strackee, "The Solid Angle of a Plane
-/// Triangle", 1983); `None` if the ray hits an edge.
+/// Half the solid angles as the arguments of complex numbers (Van Oosterom and Strackee, "The Solid
+/// Angle of a Plane Triangle", 1983); `None` if the ray hits an edge.
 #[inline(always)]
 fn half_solid_angles(
     edges: &SweptEdges,

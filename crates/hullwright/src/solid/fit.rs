@@ -1,11 +1,13 @@
-//! The fit test of the search: whether no point of a hull's surface is farther than the bound from the solid.
+//! The fit test of the search: whether no point of a hull's surface is farther than the bound from
+//! the solid.
 //!
-//! One query at the centre of a part whose corners are at most r from it decides it if the distance d there is far enough
-//! from the bound ε: d + r ≤ ε accepts; outside the solid d > ε rejects; inside it r - d ≤ ε accepts, since a path out of
-//! the solid crosses the surface. Otherwise the part is halved.
+//! One query at the centre of a part whose corners are at most r from it decides it if the distance
+//! d there is far enough from the bound ε: d + r ≤ ε accepts; outside the solid d > ε rejects;
+//! inside it r - d ≤ ε accepts, since a path out of the solid crosses the surface. Otherwise the
+//! part is halved.
 //!
-//! The test is lenient: verification decides the result. A hull's faces are tested by their centres, largest first, then
-//! completely.
+//! The test is lenient: verification decides the result. A hull's faces are tested by their
+//! centres, largest first, then completely.
 
 use super::grid::Location;
 use super::solid::Solid;
@@ -16,8 +18,7 @@ use crate::hull::growing_hull::GrowingHull;
 use crate::hull::{HullBuilder, LEAST_THICKNESS, solid_hull};
 use crate::work;
 
-/// A part of a smaller radius, as a fraction of the bound, is decided by its centre. With 0.25, 359 meshes have 4,825 hulls
-/// instead of 4,819, in 1 % more time.
+/// A part of a smaller radius, as a fraction of the bound, is decided by its centre.
 const SMALL: f64 = 0.35;
 
 /// Where the surface is flat, the distance along its normal is exact. The tree decides only where
@@ -25,11 +26,11 @@ const SMALL: f64 = 0.35;
 const CERTAIN: f64 = 1.03;
 
 /// A part counts as smaller by this factor: a notch narrower than the rest is found by
-/// verification. With 1, four of five models take 20 to 45 % more time and end with as many hulls.
+/// verification.
 const LENIENCE: f64 = 0.4;
 
-/// A part of a larger radius, as a multiple of the bound, is compared with the closest triangle as a whole: it
-/// may lie along it, and halving it down to the bound would be slow.
+/// A part of a larger radius, as a multiple of the bound, is compared with the closest triangle as
+/// a whole: it may lie along it, and halving it down to the bound would be slow.
 const LONG: f64 = 3.0;
 
 /// Faces that say why a hull is refused.
@@ -62,7 +63,8 @@ impl Lenient<'_> {
         if part.radius <= SMALL * bound { Verdict::Settled } else { Verdict::Open }
     }
 
-    /// Judges a part whose centre may be farther than the bound from the surface; `None` if that is left open.
+    /// Judges a part whose centre may be farther than the bound from the surface; `None` if that is
+    /// left open.
     #[inline]
     fn judge_beyond(&mut self, part: &Part, at: &Location<'_>, reach: f64) -> Option<Verdict> {
         let &mut Self { solid, bound, .. } = self;
@@ -245,7 +247,8 @@ impl<'a> FitTester<'a> {
         fits
     }
 
-    /// Whether faces fit: by their centres first, then as a whole, the largest first. Notes refusals.
+    /// Whether faces fit: by their centres first, then as a whole, the largest first. Notes
+    /// refusals.
     fn faces_fit(&mut self, faces: &mut [(f64, Face)]) -> bool {
         // Large faces are the most likely to protrude.
         faces.sort_by(|a, b| b.0.total_cmp(&a.0));
@@ -264,8 +267,8 @@ impl<'a> FitTester<'a> {
         refusals.is_empty()
     }
 
-    /// Why the last hull was refused: faces that protrude. There are none where it contains a cavity. What they are
-    /// depends on the hulls that were tested, and on nothing else.
+    /// Why the last hull was refused: faces that protrude. There are none where it contains a
+    /// cavity. What they are depends on the hulls that were tested, and on nothing else.
     pub fn refusals(&self) -> &[Refusal] {
         &self.refusals
     }
@@ -403,7 +406,8 @@ mod tests {
             cases
         }
 
-        /// Without the grid, how far a point is from the surface if the winding number is below a limit there, else 0.
+        /// Without the grid, how far a point is from the surface if the winding number is below a
+        /// limit there, else 0.
         fn outside(&self, point: Vector, limit: f64) -> f64 {
             let Surface { tree, .. } = self.solid.surface();
             match tree.closest_point(point, f64::INFINITY) {
@@ -457,8 +461,8 @@ mod tests {
                     wrongly += usize::from(outside <= bound * (1.0 - 1e-6));
                 }
                 assert!(fitting > 50 && refused > 3, "{}: {fitting}, {refused}", case.name);
-                // The side of a cell is that of its centre. Where a surface ends it changes within the cell, and only
-                // a coarse solid looks at the depth as well.
+                // The side of a cell is that of its centre. Where a surface ends it changes within
+                // the cell, and only a coarse solid looks at the depth as well.
                 let is_exact = case.solid.is_closed() || case.solid.is_coarse();
                 let most = if is_exact { 0 } else { refused / 20 };
                 assert!(wrongly <= most, "{}, {bound}: {wrongly} of {refused}", case.name);

@@ -1,14 +1,16 @@
-//! A grid in front of a surface. Its cells hold the closest point of the surface to their centre, and their side: that
-//! answers most questions of a fit test without the tree.
+//! A grid in front of a surface. Its cells hold the closest point of the surface to their centre,
+//! and their side: that answers most questions of a fit test without the tree.
 //!
-//! A cell is filled when it is first needed. The faces of hulls touch few cells, so that a mesh costs what its shape does,
-//! however small the bound. Blocks of 64 cells hold the distance of their centre from the surface: that settles most points
-//! far from it, and their cells stay empty. What a cell holds depends on the cell alone, so that threads may fill it at
-//! the same time, and no result depends on which was first. Distances are exact up to single precision.
+//! A cell is filled when it is first needed. The faces of hulls touch few cells, so that a mesh
+//! costs what its shape does, however small the bound. Blocks of 64 cells hold the distance of
+//! their centre from the surface: that settles most points far from it, and their cells stay empty.
+//! What a cell holds depends on the cell alone, so that threads may fill it at the same time, and
+//! no result depends on which was first. Distances are exact up to single precision.
 //!
-//! In an open solid the winding number changes only slowly where the surface is not crossed, and by whole turns where it
-//! is. So one number for a block, and the turns between its centre and a cell, bound the number at any point of the
-//! block. Neighbours share their turns, where no surface is between them.
+//! In an open solid the winding number changes only slowly where the surface is not crossed, and by
+//! whole turns where it is. So one number for a block, and the turns between its centre and a cell,
+//! bound the number at any point of the block. Neighbours share their turns, where no surface is
+//! between them.
 
 use glam::Vec3;
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -28,29 +30,32 @@ const MAX_CELLS: f64 = 1_500_000.0;
 /// Factor by which cells grow until they are few enough: fine steps keep the grid near its limit.
 const GROWTH: f64 = 1.05;
 
-/// Minimum extent of the box along an axis, as a fraction of the diagonal: a flat mesh has none along one.
+/// Minimum extent of the box along an axis, as a fraction of the diagonal: a flat mesh has none
+/// along one.
 const MIN_EXTENT: f64 = 1e-6;
 
 /// Cells along each axis beyond those that cover the box: one on each side, so that the border is
 /// outside the mesh, and one for rounding.
 const BORDER: f64 = 3.0;
 
-/// More than the rounding of distances to single precision, as a fraction of the diagonal, and of winding numbers.
+/// More than the rounding of distances to single precision, as a fraction of the diagonal, and of
+/// winding numbers.
 pub(super) const ROUNDING: f64 = 1e-6;
 
-/// The surface does not pass between the centres of two cells if their distances from it add up to more than
-/// the distance between them, times this: a margin for rounding.
+/// The surface does not pass between the centres of two cells if their distances from it add up to
+/// more than the distance between them, times this: a margin for rounding.
 const FREE: f32 = 1.01;
 
-/// A cell whose centre is farther than this from the surface, as a multiple of its side, is crossed by none of it on the
-/// way to a neighbour: half a side, and a margin.
+/// A cell whose centre is farther than this from the surface, as a multiple of its side, is crossed
+/// by none of it on the way to a neighbour: half a side, and a margin.
 const FREE_OF_SIDES: f32 = 0.8;
 
-/// In an open surface, a depth below this fraction of the distance to it is not worth a sum over the boundary.
+/// In an open surface, a depth below this fraction of the distance to it is not worth a sum over
+/// the boundary.
 const LEAST_DEPTH: f64 = 0.1;
 
-/// A number of turns follows from a number that is less than half a turn away, with a margin for rounding and the
-/// expansion's error.
+/// A number of turns follows from a number that is less than half a turn away, with a margin for
+/// rounding and the expansion's error.
 const MOST_CHANGE: f64 = 0.45;
 
 /// Cells of a block along each axis, as a power of two: blocks are allocated whole, and a face
@@ -92,9 +97,11 @@ struct Cell {
     triangle: AtomicU32,
     /// Written last; [`EMPTY`] until then.
     distance: AtomicU32,
-    /// The radius of a ball around the centre that is inside as a whole; [`OUTSIDE`] if the centre is not.
+    /// The radius of a ball around the centre that is inside as a whole; [`OUTSIDE`] if the centre
+    /// is not.
     depth: AtomicU32,
-    /// In an open solid, by how many whole turns the winding number differs from that about the block's centre.
+    /// In an open solid, by how many whole turns the winding number differs from that about the
+    /// block's centre.
     turns: AtomicU32,
     /// In an open solid, the winding number, where it was computed.
     winding: AtomicU32,
@@ -123,7 +130,8 @@ struct Block {
     cells: [Cell; CELLS],
     /// The distance of the centre from the surface, or [`EMPTY`].
     distance: AtomicU32,
-    /// The radius of a ball around the centre that is on one side as a whole, negative if that is outside.
+    /// The radius of a ball around the centre that is on one side as a whole, negative if that is
+    /// outside.
     ball: AtomicU32,
     /// A triangle that is near: the closest one of the cell that was filled last.
     triangle: AtomicU32,
@@ -173,7 +181,8 @@ pub(super) struct Ball {
 }
 
 impl Grid {
-    /// A grid over a surface: cells whose half diagonal is half the bound, or larger ones where those were too many.
+    /// A grid over a surface: cells whose half diagonal is half the bound, or larger ones where
+    /// those were too many.
     pub fn new(surface: Arc<Surface>, positions: &[Vector], bound: f64) -> Self {
         let (min, max) = bounds(positions.iter().copied());
         let extent = [0, 1, 2].map(|k| (max[k] - min[k]).max(MIN_EXTENT));
@@ -205,7 +214,8 @@ impl Grid {
         Location { grid: self, cell, place, relative, away, lower, upper }
     }
 
-    /// The ball around a point that follows from its block. In an open solid the inside may end where no surface is.
+    /// The ball around a point that follows from its block. In an open solid the inside may end
+    /// where no surface is.
     #[inline]
     pub fn ball(&self, point: Vector) -> Option<Ball> {
         let (relative, place) = self.place(point);
@@ -225,8 +235,8 @@ impl Grid {
         (radius > 0.0).then_some(Ball { radius, side })
     }
 
-    /// For each cell whether the surface is farther from its centre than `bound` and than the sides of the cell.
-    /// Fills few more cells than those near the limit. O(cells).
+    /// For each cell whether the surface is farther from its centre than `bound` and than the sides
+    /// of the cell. Fills few more cells than those near the limit. O(cells).
     pub fn free_cells(&self, bound: f64) -> Vec<bool> {
         let [width, height, depth] = self.dimensions;
         let limit = (bound as f32).max(FREE_OF_SIDES * self.size);
@@ -446,7 +456,8 @@ impl Grid {
         depth
     }
 
-    /// Whether a cell is inside, if that is known for another cell and the surface does not pass between the two.
+    /// Whether a cell is inside, if that is known for another cell and the surface does not pass
+    /// between the two.
     fn side_of_another(&self, place: Place, distance: f32) -> Option<bool> {
         self.others(place).find_map(|other| {
             let cell = self.known_cell(other)?;
@@ -455,7 +466,8 @@ impl Grid {
         })
     }
 
-    /// Whether the surface crosses neither of the balls around two cells' centres that extend up to it.
+    /// Whether the surface crosses neither of the balls around two cells' centres that extend up to
+    /// it.
     fn is_free(&self, place: Place, distance: f32, other: Place, cell: &Cell) -> bool {
         let apart = self.centre(place).distance(self.centre(other));
         distance + load(&cell.distance) > FREE * apart
@@ -545,8 +557,8 @@ impl Grid {
         Some(turns)
     }
 
-    /// The turns of a cell by those of another, if the surface does not pass between the two. `change` is that
-    /// between the block's centre and the cell.
+    /// The turns of a cell by those of another, if the surface does not pass between the two.
+    /// `change` is that between the block's centre and the cell.
     fn turns_of_another(
         &self,
         cell: &Cell,
@@ -592,15 +604,16 @@ pub(super) struct Location<'a> {
     relative: Relative,
     /// The distance from the cell's centre.
     away: f32,
-    /// At most the distance from the surface, except for [`ROUNDING`]; negative if nothing is known.
+    /// At most the distance from the surface, except for [`ROUNDING`]; negative if nothing is
+    /// known.
     pub lower: f64,
     /// At least that distance, except for [`ROUNDING`].
     pub upper: f64,
 }
 
 impl Location<'_> {
-    /// The side of the point; `None` if it may be on another side than the cell's centre. In an open solid the side of
-    /// the centre.
+    /// The side of the point; `None` if it may be on another side than the cell's centre. In an
+    /// open solid the side of the centre.
     #[inline]
     pub fn side(&self) -> Option<Side> {
         (self.lower > 0.0).then(|| self.side_of_cell())
@@ -619,16 +632,16 @@ impl Location<'_> {
         is_known.then(|| self.side_of_cell())
     }
 
-    /// The radius of a ball around the point that is inside as a whole; `None` if the cell's centre is outside. If it
-    /// is negative, the inside begins that far away at most.
+    /// The radius of a ball around the point that is inside as a whole; `None` if the cell's centre
+    /// is outside. If it is negative, the inside begins that far away at most.
     #[inline]
     pub fn depth(&self) -> Option<f64> {
         let depth = self.grid.depth_of(self.cell, self.place);
         (depth >= 0.0).then_some(f64::from(depth - self.away) - ROUNDING)
     }
 
-    /// The same, of a point that is `distance` away from an open surface; `None` if the point is outside. Less than
-    /// `needed` may be returned as 0.
+    /// The same, of a point that is `distance` away from an open surface; `None` if the point is
+    /// outside. Less than `needed` may be returned as 0.
     pub fn depth_at_distance(&self, point: Vector, distance: f64, needed: f64) -> Option<f64> {
         if let Some(winding) = self.winding() {
             if winding.most <= OPEN_INSIDE {
@@ -659,8 +672,8 @@ impl Location<'_> {
         self.cell.triangle.load(Ordering::Relaxed)
     }
 
-    /// No point of a face around this one is farther than this from the surface. Once it is known to be at most
-    /// `enough`, it is not refined.
+    /// No point of a face around this one is farther than this from the surface. Once it is known
+    /// to be at most `enough`, it is not refined.
     ///
     /// The distance to a point of the surface, or to one of its triangles, is a convex function:
     /// its maximum over the face is at a corner. Point and triangle are those of the cell.

@@ -1,7 +1,9 @@
-//! The solid: how far is this point from it, and on which side? Does this hull stay within the bound?
+//! The solid: how far is this point from it, and on which side? Does this hull stay within the
+//! bound?
 //!
-//! [`Solid`] answers both; the tree and the grid stay inside. With a [probe](crate::probe), a point that is farther than
-//! the bound from the solid fits all the same where no ball is entered by more.
+//! [`Solid`] answers both; the tree and the grid stay inside. With a [probe](crate::probe), a point
+//! that is farther than the bound from the solid fits all the same where no ball is entered by
+//! more.
 //!
 //! | file | contents |
 //! |---|---|

@@ -40,8 +40,9 @@ const MANY_PARTS: usize = 20_000;
 /// Parts between two checks for cancellation: less than a millisecond.
 const PARTS_PER_CHECK: usize = 1024;
 
-/// No point of the hull's faces is farther than this from the solid of the source, as a fraction of the diagonal: what the
-/// surface has moved is added. If it exceeds `limit`, any value above `limit` may be returned.
+/// No point of the hull's faces is farther than this from the solid of the source, as a fraction of
+/// the diagonal: what the surface has moved is added. If it exceeds `limit`, any value above
+/// `limit` may be returned.
 ///
 /// # Errors
 /// [`Error::Cancelled`].
@@ -419,7 +420,8 @@ mod tests {
         let hull = convex_hull(as_arrays(&corners)).unwrap();
         assert_eq!(solid.side(corners[2]), Side::Outside);
         assert_eq!(solid.side(Vector::new(0.5, 0.5, -0.3)), Side::Inside);
-        // No point of the solid is nearer to the tip than the nearest of a lattice, up to its spacing.
+        // No point of the solid is nearer to the tip than the nearest of a lattice, up to its
+        // spacing.
         let steps = || (0..50).map(|k| 0.02 * f64::from(k));
         let lattice = steps()
             .flat_map(|x| steps().flat_map(move |y| steps().map(move |z| Vector::new(x, y, -z))));
@@ -467,7 +469,8 @@ mod tests {
         let (control, bound) = (Control::new(), 0.02);
         let solid = solid_of_hull(&inner, bound);
         let of = |hull| protrusion(hull, &solid, bound, f64::INFINITY, &control).unwrap();
-        // A hull that is the solid protrudes by nothing: less than the share that is not resolved is not reported.
+        // A hull that is the solid protrudes by nothing: less than the share that is not resolved
+        // is not reported.
         assert!(of(&inner) <= (UNRESOLVED + RESOLUTION) * bound + f64::EPSILON, "{}", of(&inner));
         // The farthest corner is shifted by a quarter along each axis.
         let farthest = 0.25 * 3f64.sqrt();

@@ -6,13 +6,14 @@
 //! point decides which. Nothing here depends on the bound: large faces of coarse meshes are decided
 //! by the few triangles that are near them.
 //!
-//! Large triangles are taken off first. Those at right angles to the face cover nothing, but parts must
-//! end at them: they come last, when little is left that they could divide.
+//! Large triangles are taken off first. Those at right angles to the face cover nothing, but parts
+//! must end at them: they come last, when little is left that they could divide.
 //!
 //! O(triangles near the face · parts).
 //!
-//! The limits below trade the time of this against that of halving. What they give was measured on 196 shared and bundled
-//! meshes of up to 2,400 triangles, in processor time of whole decompositions; 2,507 hulls are theirs.
+//! The limits below trade the time of this against that of halving. What they give was measured on
+//! 196 shared and bundled meshes of up to 2,400 triangles, in processor time of whole
+//! decompositions; 2,507 hulls are theirs.
 
 use std::ops::RangeInclusive;
 
@@ -20,27 +21,26 @@ use crate::bvh::{Bvh, Slab};
 use crate::geometry::vector::{Vector, area_normal, bounds, larger, smaller};
 
 /// A face near more triangles is halved first: subtracting many triangles takes longer. The limit
-/// is a share of the parts that halving down to the height would end with, within a range. With 0.06 there is 1 hull more
-/// in 3 % less time, with 1 there are 2 more in 7 % more.
+/// is a share of the parts that halving down to the height would end with, within a range.
 const TRIANGLES_PER_PART: f64 = 0.25;
 
 /// The range. A quarter or four times as many change the time by 1 %, and no number of hulls.
 const MAX_TRIANGLES: RangeInclusive<f64> = 24.0..=256.0;
 
-/// A face of a smaller radius, as a multiple of the height, is halved: it ends with few parts. With 12 there is 1 hull
-/// fewer in 4 % more time.
+/// A face of a smaller radius, as a multiple of the height, is halved: it ends with few parts.
 const MIN_RADIUS: f64 = 24.0;
 
-/// A face that falls into more parts is halved instead: each further triangle takes time for all of them. A limit that
-/// few faces meet: 16 or 256 change no number of hulls, and the time by less than 1 %.
+/// A face that falls into more parts is halved instead: each further triangle takes time for all of
+/// them. A limit that few faces meet: 16 or 256 change no number of hulls, and the time by less
+/// than 1 %.
 const MAX_PARTS: usize = 64;
 
-/// Parts and triangles narrower than this, as a fraction of the diagonal, have no area: their points are as near to
-/// a neighbouring part.
+/// Parts and triangles narrower than this, as a fraction of the diagonal, have no area: their
+/// points are as near to a neighbouring part.
 const NARROW: f64 = 4.0 * ON_LINE;
 
-/// A face of a smaller height over its longest side, as a fraction of the diagonal, is halved instead: rounding by 1e-16
-/// of the diagonal turns its normal by about [`ON_LINE`].
+/// A face of a smaller height over its longest side, as a fraction of the diagonal, is halved
+/// instead: rounding by 1e-16 of the diagonal turns its normal by about [`ON_LINE`].
 const NEEDLE: f64 = 1e-7;
 
 /// Scratch memory, and the remaining parts of the last face.
@@ -241,11 +241,12 @@ impl Remainder {
 /// A point of a face's plane.
 type Point = [f64; 2];
 
-/// Vertices at most: a triangle within a slab has up to seven, and a cut adds one to a polygon. Others are too complex.
+/// Vertices at most: a triangle within a slab has up to seven, and a cut adds one to a polygon.
+/// Others are too complex.
 const MAX_VERTICES: usize = 9;
 
-/// Points this near to a line, as a fraction of the diagonal, are on it: more than rounding, far less
-/// than any bound.
+/// Points this near to a line, as a fraction of the diagonal, are on it: more than rounding, far
+/// less than any bound.
 const ON_LINE: f64 = 1e-9;
 
 /// A convex polygon in a plane, counter-clockwise, of few vertices and without memory of its own.

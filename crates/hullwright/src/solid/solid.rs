@@ -1,7 +1,7 @@
 //! The solid that hulls must not protrude from.
 //!
-//! [`Solid::side`] says on which side of the surface a point is, [`Solid::closest`] how far it is from it, and
-//! [`Solid::locate`] bounds both by the grid.
+//! [`Solid::side`] says on which side of the surface a point is, [`Solid::closest`] how far it is
+//! from it, and [`Solid::locate`] bounds both by the grid.
 
 use std::sync::Arc;
 
@@ -17,14 +17,15 @@ use crate::mesh::simplification::Simplification;
 use crate::parallel;
 use crate::probe::{Extent, Probe, ProbeSettings};
 
-/// Meshes of up to this many triangles are coarse: their patches follow from the shape, and large faces are compared
-/// with the triangles near them. Denser ones are simplified.
+/// Meshes of up to this many triangles are coarse: their patches follow from the shape, and large
+/// faces are compared with the triangles near them. Denser ones are simplified.
 pub(crate) const COARSE: usize = 2400;
 
 /// No triangle of the solid is known to be near.
 pub(super) const NO_GUESS: u32 = u32::MAX;
 
-/// Points by which the volume is estimated that a probe does not reach: as many take a few milliseconds.
+/// Points by which the volume is estimated that a probe does not reach: as many take a few
+/// milliseconds.
 const VOLUME_SAMPLES: usize = 1000;
 
 /// The source mesh as a solid.
@@ -35,7 +36,8 @@ pub(crate) struct Solid {
     pub(super) is_coarse: bool,
     /// How far its surface is from the source at most.
     pub moved: f64,
-    /// The deepest point of each cavity that no hull may contain, and its distance from the surface.
+    /// The deepest point of each cavity that no hull may contain, and its distance from the
+    /// surface.
     pub(crate) cavities: Vec<(Vector, f64)>,
     /// What moves in the scene, if that is known: what it does not reach may be filled.
     pub probe: Option<Probe>,
@@ -69,8 +71,9 @@ impl Solid {
     ) -> Result<Self, Error> {
         let Simplification { mesh, closed, .. } = surface;
         let triangles = surface.triangles_of_solid();
-        // Where triangles run along each edge as often one way as the other, the surface ends nowhere,
-        // even where more than two meet. Sheets in both orientations can close an open one.
+        // Where triangles run along each edge as often one way as the other, the surface ends
+        // nowhere, even where more than two meet. Sheets in both orientations can close an open
+        // one.
         let is_as_given = triangles.len() == mesh.triangles.len();
         let boundary = match is_as_given && closed.iter().all(|&closed| closed) {
             true => Boundary::default(),
@@ -113,7 +116,8 @@ impl Solid {
         Ok(solid)
     }
 
-    /// The solid of a surface, without cavities and a probe. `triangles` is the number that the mesh has.
+    /// The solid of a surface, without cavities and a probe. `triangles` is the number that the
+    /// mesh has.
     fn plain(surface: Arc<Surface>, positions: &[Vector], triangles: usize, bound: f64) -> Self {
         let grid = Grid::new(surface, positions, bound);
         let is_coarse = triangles <= COARSE;
@@ -161,14 +165,15 @@ impl Solid {
         self.surface().side(point)
     }
 
-    /// Bounds on the distance of a point from the surface, and its side, by the grid. O(1) once the point's cell is
-    /// filled.
+    /// Bounds on the distance of a point from the surface, and its side, by the grid. O(1) once the
+    /// point's cell is filled.
     #[inline]
     pub(super) fn locate(&self, point: Vector) -> Location<'_> {
         self.grid.locate(point)
     }
 
-    /// The closest point of the surface. Faster if the triangle `guess` is near. `None` if there is no surface. O(log n).
+    /// The closest point of the surface. Faster if the triangle `guess` is near. `None` if there is
+    /// no surface. O(log n).
     pub(crate) fn closest(&self, point: Vector, guess: u32) -> Option<ClosestPoint> {
         self.tree().closest_point_near(point, EXACT, guess)
     }
@@ -179,13 +184,15 @@ impl Solid {
         at.side_at_distance(distance).unwrap_or_else(|| self.side(point))
     }
 
-    /// How far balls are entered at a point outside that is far from the surface: see [`Probe::entered`].
+    /// How far balls are entered at a point outside that is far from the surface: see
+    /// [`Probe::entered`].
     pub(super) fn entered(&self, point: Vector, known: f64) -> Option<f64> {
         let probe = self.probe.as_ref()?;
         probe.entered(self.tree(), point, known, probe.radius)
     }
 
-    /// Whether no ball is entered by more than `bound` at a point outside that is far from the surface.
+    /// Whether no ball is entered by more than `bound` at a point outside that is far from the
+    /// surface.
     #[inline]
     pub(super) fn probe_allows(&self, point: Vector, bound: f64) -> bool {
         self.probe.as_ref().is_some_and(|probe| probe.allows(self.tree(), point, bound))
@@ -196,8 +203,8 @@ impl Solid {
         self.probe.as_ref().is_some_and(|probe| probe.allows_all(self.tree(), &part(), bound))
     }
 
-    /// The volume outside the solid that a probe does not reach, in cubed diagonals, by evenly spread points in the box
-    /// of the mesh. O(1) queries.
+    /// The volume outside the solid that a probe does not reach, in cubed diagonals, by evenly
+    /// spread points in the box of the mesh. O(1) queries.
     pub fn unreachable_volume(&self) -> f64 {
         let Some(probe) = &self.probe else { return 0.0 };
         let (min, max) = probe.bounds;
@@ -209,8 +216,8 @@ impl Solid {
         (max - min).element_product() * count as f64 / VOLUME_SAMPLES as f64
     }
 
-    /// No point of a part is farther than this from the surface, or balls are entered no farther there. The distance of
-    /// the part's centre and how far balls are entered there are given.
+    /// No point of a part is farther than this from the surface, or balls are entered no farther
+    /// there. The distance of the part's centre and how far balls are entered there are given.
     pub(super) fn upper_around(&self, distance: f64, entered: Option<f64>, radius: f64) -> f64 {
         let entered = entered.zip(self.probe.as_ref());
         let entered = entered.and_then(|(entered, probe)| probe.entered_around(entered, radius));
@@ -237,7 +244,8 @@ impl Solid {
         (upper > least).then_some(Protruding { lower, upper })
     }
 
-    /// Whether a point is in the solid or at most `bound` away from it, or no ball is entered there by more.
+    /// Whether a point is in the solid or at most `bound` away from it, or no ball is entered there
+    /// by more.
     #[inline]
     pub fn point_fits(&self, point: Vector, bound: f64) -> bool {
         self.is_within(point, bound) || self.probe_allows(point, bound)
@@ -262,18 +270,19 @@ impl Solid {
         }
     }
 
-    /// Whether the point halfway between two others does not fit, so that no hull that fits contains
-    /// both. Points at a quarter of the way find more conflicts, and save no hulls.
+    /// Whether the point halfway between two others does not fit, so that no hull that fits
+    /// contains both. Points at a quarter of the way find more conflicts, and save no hulls.
     pub fn separates(&self, a: Vector, b: Vector, bound: f64) -> bool {
         !self.point_fits((a + b) * 0.5, bound)
     }
 
-    /// Cavities: empty space that is cut off from the outside, or connected to it only through mouths
-    /// narrower than twice the bound. The deepest point of each: outside the solid, farther than the bound from the
-    /// surface, and without a path to infinity through such points, at the grid's resolution; and its distance.
+    /// Cavities: empty space that is cut off from the outside, or connected to it only through
+    /// mouths narrower than twice the bound. The deepest point of each: outside the solid, farther
+    /// than the bound from the surface, and without a path to infinity through such points, at the
+    /// grid's resolution; and its distance.
     ///
-    /// A hull whose surface passes through a cavity protrudes and is refused. But a hull may swallow a cavity whole: one
-    /// point of each is enough to detect that. O(cells).
+    /// A hull whose surface passes through a cavity protrudes and is refused. But a hull may
+    /// swallow a cavity whole: one point of each is enough to detect that. O(cells).
     fn find_cavities(&self, control: &Control) -> Result<Vec<(Vector, f64)>, Error> {
         let grid = &self.grid;
         let is_free = grid.free_cells(self.bound);

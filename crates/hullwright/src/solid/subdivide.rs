@@ -1,8 +1,10 @@
-//! The loop that halves the faces of hulls until each part is decided, by the search's rules or by verification's.
+//! The loop that halves the faces of hulls until each part is decided, by the search's rules or by
+//! verification's.
 //!
-//! Distance is 1-Lipschitz. So the distance at the centre of a part whose corners are at most r from it often decides the
-//! whole part. What a [`Policy`] leaves undecided is halved across its longest side. A large face along the surface would
-//! be halved many times: in a coarse solid it is first taken apart into what lies along triangles and what remains.
+//! Distance is 1-Lipschitz. So the distance at the centre of a part whose corners are at most r
+//! from it often decides the whole part. What a [`Policy`] leaves undecided is halved across its
+//! longest side. A large face along the surface would be halved many times: in a coarse solid it is
+//! first taken apart into what lies along triangles and what remains.
 
 use super::remainder::Remainder;
 use super::solid::Solid;

@@ -1,9 +1,9 @@
 //! The surface of a solid: which side a point is on, and how far the inside extends around it.
 //!
-//! A point is inside where the generalized winding number is above one half (Jacobson, Kavan, Sorkine-Hornung, "Robust
-//! Inside-Outside Segmentation using Generalized Winding Numbers", 2013). Of a closed surface it is the number of times
-//! that a ray leaves, less that of its entering: a fraction of the work. Where a surface is open, the inside ends without
-//! it, but gradually.
+//! A point is inside where the generalized winding number is above one half (Jacobson, Kavan,
+//! Sorkine-Hornung, "Robust Inside-Outside Segmentation using Generalized Winding Numbers", 2013).
+//! Of a closed surface it is the number of times that a ray leaves, less that of its entering: a
+//! fraction of the work. Where a surface is open, the inside ends without it, but gradually.
 
 use super::boundary::{Boundary, Slope};
 use crate::bvh::Bvh;
@@ -65,8 +65,8 @@ impl Surface {
         if is_inside { Side::Inside } else { Side::Outside }
     }
 
-    /// The winding number about a point. It is exact except for rounding where the boundary has
-    /// few edges: continued from its boundary to infinity, away from a ray, the surface winds about the
+    /// The winding number about a point. It is exact except for rounding where the boundary has few
+    /// edges: continued from its boundary to infinity, away from a ray, the surface winds about the
     /// point as often as the ray crosses it, and what was added is known in closed form.
     pub fn winding_number(&self, point: Vector) -> f64 {
         match self.boundary.winding_number_beyond(point) {
@@ -75,8 +75,9 @@ impl Surface {
         }
     }
 
-    /// The radius of a ball around a point that is inside an open surface as a whole, where the surface is at least
-    /// `distance` away; `None` if the point itself is outside. A radius below `needed` may be returned as 0.
+    /// The radius of a ball around a point that is inside an open surface as a whole, where the
+    /// surface is at least `distance` away; `None` if the point itself is outside. A radius below
+    /// `needed` may be returned as 0.
     pub fn depth(&self, point: Vector, distance: f64, needed: f64) -> Option<f64> {
         self.depth_by(self.winding_number(point), point, distance, needed)
     }
@@ -90,7 +91,8 @@ impl Surface {
         if distance <= 0.0 || needed >= distance {
             return Some(0.0);
         }
-        // No gradient above this leaves as much as is needed, if the boundary is as near as the surface.
+        // No gradient above this leaves as much as is needed, if the boundary is as near as the
+        // surface.
         let limit =
             if needed > 0.0 { excess * (1.0 / needed - 1.0 / distance) } else { f64::INFINITY };
         let slope = self.boundary.slope(point, distance, limit);
@@ -109,8 +111,8 @@ pub(super) struct Winding {
 }
 
 impl Winding {
-    /// The radius of a ball around the point that is inside as a whole, where the surface is at least `distance`
-    /// away; `None` if the point itself may be outside.
+    /// The radius of a ball around the point that is inside as a whole, where the surface is at
+    /// least `distance` away; `None` if the point itself may be outside.
     pub fn depth(&self, distance: f64) -> Option<f64> {
         let excess = self.least - OPEN_INSIDE;
         (excess > 0.0).then(|| self.slope.way_within(excess).min(distance))
@@ -148,8 +150,8 @@ mod tests {
         surface.tree.closest_point(point, f64::INFINITY).unwrap().distance
     }
 
-    /// Calls `check` at many points around loose triangles, with the distance to them. It returns whether a point is
-    /// inside: enough must be.
+    /// Calls `check` at many points around loose triangles, with the distance to them. It returns
+    /// whether a point is inside: enough must be.
     fn at_many_points(check: impl Fn(&Surface, Vector, f64) -> bool) {
         let mut inside = 0;
         for seed in [0, 1000, 2000] {
@@ -233,7 +235,8 @@ mod tests {
             for number in 0..3000 {
                 let spot =
                     Vector::from([0, 1, 2].map(|axis| 0.6 * spread(5 * number * number + axis)));
-                // From every third point the ray passes through a corner, from another through an edge.
+                // From every third point the ray passes through a corner, from another through an
+                // edge.
                 let [a, b, _] = triangles[number as usize % triangles.len()];
                 let (a, b) = (positions[a as usize], positions[b as usize]);
                 let point = match number % 3 {
@@ -254,8 +257,8 @@ mod tests {
 
     #[test]
     fn sheets_that_cancel_do_not_hide_how_fast_the_number_falls() {
-        // Eight sheets face up and seven down, a little smaller: around them the number is that of one
-        // sheet, but near the edges it falls as fast as that of all.
+        // Eight sheets face up and seven down, a little smaller: around them the number is that of
+        // one sheet, but near the edges it falls as fast as that of all.
         let (mut positions, mut triangles) = (Vec::new(), Vec::new());
         for sheet in 0..15_u32 {
             let (z, size) = (1e-3 * f64::from(sheet), if sheet % 2 == 0 { 0.5 } else { 0.45 });

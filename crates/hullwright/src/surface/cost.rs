@@ -20,8 +20,8 @@ pub(super) const TOO_SMALL_TO_COUNT: usize = 2;
 /// A plane that the ray runs along cannot be left through it.
 const PARALLEL: f64 = 1e-9;
 
-/// Normals whose sum is shorter than this share of their lengths cancel out: what is left is rounding,
-/// and points anywhere.
+/// Normals whose sum is shorter than this share of their lengths cancel out: what is left is
+/// rounding, and points anywhere.
 const CANCELLED: f64 = 1e-9;
 
 /// Far more than a division and a product are rounded by.
@@ -70,12 +70,12 @@ pub fn cost(mesh: &TriangleMesh, group: &[u32], scratch: &mut CostScratch) -> f6
     greatest / diagonal(points.iter().copied())
 }
 
-/// The cost of Table 1 for any grouped mesh: the average of equation (3) over the groups of more than two
-/// triangles; 0 without any. O(vertices · hull faces) per group.
+/// The cost of Table 1 for any grouped mesh: the average of equation (3) over the groups of more
+/// than two triangles; 0 without any. O(vertices · hull faces) per group.
 ///
 /// # Errors
-/// [`Error::IndexOutOfRange`]; [`Error::InvalidParameter`] where the number of groups is not that of the
-/// triangles, or a group has a number that is no triangle's.
+/// [`Error::IndexOutOfRange`]; [`Error::InvalidParameter`] where the number of groups is not that
+/// of the triangles, or a group has a number that is no triangle's.
 pub fn average_cost(grouped: &GroupedMesh) -> Result<f64, Error> {
     let GroupedMesh { positions, triangles, groups } = grouped;
     let vertices = positions.len();
@@ -130,8 +130,8 @@ impl CostScratch {
     }
 }
 
-/// How far a ray from a point inside a hull runs until it leaves. Where that is at most `enough`
-/// an upper bound that is at most `enough` may be returned, since only the greatest distance counts.
+/// How far a ray from a point inside a hull runs until it leaves. Where that is at most `enough` an
+/// upper bound that is at most `enough` may be returned, since only the greatest distance counts.
 fn distance_to_exit(
     point: Vector,
     direction: Vector,

@@ -42,11 +42,12 @@ pub struct SurfaceReport {
     pub resolutions: Vec<ResolutionReport>,
 }
 
-/// Decomposes a triangle mesh by the paper's method. Openings stay as they are, and nothing is verified.
+/// Decomposes a triangle mesh by the paper's method. Openings stay as they are, and nothing is
+/// verified.
 ///
 /// # Errors
-/// As [`decompose`](crate::decompose()). On several threads [`Error::DeadlineExceeded`] also where the deadline
-/// comes before the first threshold.
+/// As [`decompose`](crate::decompose()). On several threads [`Error::DeadlineExceeded`] also where
+/// the deadline comes before the first threshold.
 pub fn decompose<'a>(
     mesh: impl Into<MeshView<'a>>,
     parameters: &SurfaceParameters,
@@ -124,8 +125,8 @@ async fn simplify(
     Ok(levels.finish())
 }
 
-/// The first level with thresholds left to try. A level that is cut off has no more to do, nor have those
-/// above it.
+/// The first level with thresholds left to try. A level that is cut off has no more to do, nor have
+/// those above it.
 fn next_level(levels: &[Level], parameters: &SurfaceParameters) -> Option<usize> {
     let open =
         first_cut_off(levels, parameters.resolution_cut_off).map_or(levels.len(), |last| last + 1);

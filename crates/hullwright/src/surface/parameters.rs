@@ -29,35 +29,37 @@ const PAPER_UNIT: Length = Length::Share(1.0 / 2.24);
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
 pub struct SurfaceParameters {
-    /// Q: the simplification target is the triangle count times Q, repeated until it is at most r (section
-    /// 3.2). Limits: above 0, at most 1, which means no simplification. Paper: 0.8.
+    /// Q: the simplification target is the triangle count times Q, repeated until it is at most r
+    /// (section 3.2). Limits: above 0, at most 1, which means no simplification. Paper: 0.8.
     pub simplification_quality: f64,
-    /// R: maximum resolutions (section 3.5). Unit: triangles. Limits: at least one, none 0. Paper: 250, 500,
-    /// 1000, 2000, 3000.
+    /// R: maximum resolutions (section 3.5). Unit: triangles. Limits: at least one, none 0. Paper:
+    /// 250, 500, 1000, 2000, 3000.
     pub maximum_resolutions: Vec<usize>,
-    /// p: planar thresholds (equation 2). Unit: [`unit`](Self::unit). Limits: at least one, none negative.
-    /// Paper: 0.01, 0.2, 0.4, 0.6, 0.8, 1.
+    /// p: planar thresholds (equation 2). Unit: [`unit`](Self::unit). Limits: at least one, none
+    /// negative. Paper: 0.01, 0.2, 0.4, 0.6, 0.8, 1.
     pub planar_thresholds: Vec<f64>,
-    /// a: angular threshold (section 3.4.1). Unit: [`unit`](Self::unit). Limits: not negative. Paper: 0.01.
+    /// a: angular threshold (section 3.4.1). Unit: [`unit`](Self::unit). Limits: not negative.
+    /// Paper: 0.01.
     pub angular_threshold: f64,
-    /// ε: the concavity cost under which a decomposition is good enough (section 3.4.2). Unit: a group's own
-    /// diagonal. Limits: above 0. Paper: 0.05.
+    /// ε: the concavity cost under which a decomposition is good enough (section 3.4.2). Unit: a
+    /// group's own diagonal. Limits: above 0. Paper: 0.05.
     pub concavity_cost_threshold: f64,
     /// μ: once a resolution of at least 500 gives fewer pieces than this, higher ones are
     /// skipped (sections 3.5 and 4.3). Limits: 0 never skips. Paper: 5.
     pub resolution_cut_off: usize,
-    /// The length that counts as 1 for p and a. Limits: above 0. Default: 1 / 2.24 of the mesh's diagonal.
+    /// The length that counts as 1 for p and a. Limits: above 0. Default: 1 / 2.24 of the mesh's
+    /// diagonal.
     ///
-    /// The paper has none: its thresholds are in the meshes' own units, which is `Length::Units(1.0)`. The
-    /// default is the same on the median of the paper's meshes, and gives the same result for a mesh in any
-    /// scale.
+    /// The paper has none: its thresholds are in the meshes' own units, which is
+    /// `Length::Units(1.0)`. The default is the same on the median of the paper's meshes, and gives
+    /// the same result for a mesh in any scale.
     pub unit: Length,
-    /// A group of one or two polygons is merged only if its bounding-box diagonal is smaller than this
-    /// (section 3.6). Unit: the mesh's diagonal. Limits: not negative. Default: 0.1, since the paper gives no
-    /// number.
+    /// A group of one or two polygons is merged only if its bounding-box diagonal is smaller than
+    /// this (section 3.6). Unit: the mesh's diagonal. Limits: not negative. Default: 0.1, since the
+    /// paper gives no number.
     pub significant_diagonal: f64,
-    /// The largest number of vertices of a hull; `None` for no limit. Limits: at least 8. Default: 64; `None` in
-    /// [`paper`](Self::paper).
+    /// The largest number of vertices of a hull; `None` for no limit. Limits: at least 8. Default:
+    /// 64; `None` in [`paper`](Self::paper).
     pub max_vertices: Option<usize>,
 }
 

@@ -1,5 +1,5 @@
-//! From groups to hulls [3.6]: small groups merge; then the hull of each group, and the source triangles that it
-//! stands for.
+//! From groups to hulls [3.6]: small groups merge; then the hull of each group, and the source
+//! triangles that it stands for.
 //!
 //! Group merging: groups of one or two polygons join a neighbour that they share two or
 //! three sides with, unless they are large.
@@ -155,8 +155,8 @@ impl Pieces<'_> {
     }
 
     /// Gives each source triangle to the hull whose group holds the simplified triangle nearest to
-    /// its centre, for no more triangles than `closest_labels` compares. O(n log m) for n source and m simplified
-    /// triangles.
+    /// its centre, for no more triangles than `closest_labels` compares. O(n log m) for n source
+    /// and m simplified triangles.
     ///
     /// # Errors
     /// [`Error::Cancelled`].

@@ -7,7 +7,8 @@
 //! - k, the average number of pieces, is taken before group merging, which comes last.
 //! - R is tried in ascending order, whatever order it is given in, since the cut-off speaks of
 //!   higher resolutions; equal values count once.
-//! - Of equal costs the lower resolution wins; costs are equal where only rounding tells them apart.
+//! - Of equal costs the lower resolution wins; costs are equal where only rounding tells them
+//!   apart.
 //! - A level starts from the next finer one, not from the source (see `mesh::simplify`). A
 //!   resolution whose mesh is the same as that of the one before would only repeat it.
 
@@ -23,8 +24,8 @@ use super::threshold_selection::{Candidate, ThresholdReport, ThresholdSearch, Th
 /// From this maximum resolution on the cut-off μ may act.
 pub const LEAST_CUT_OFF_RESOLUTION: usize = 500;
 
-/// Costs that differ by less, as fractions of a group's diagonal, are equal: that is rounding. The costs of convex
-/// groups are nothing else.
+/// Costs that differ by less, as fractions of a group's diagonal, are equal: that is rounding. The
+/// costs of convex groups are nothing else.
 const EQUAL_COSTS: f64 = 1e-9;
 
 /// Candidates with more than this many times k pieces are eliminated.

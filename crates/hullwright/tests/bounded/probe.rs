@@ -1,5 +1,5 @@
-//! What a probe promises: no ball that comes from outside is entered by more than the bound, and what none can reach may
-//! be filled.
+//! What a probe promises: no ball that comes from outside is entered by more than the bound, and
+//! what none can reach may be filled.
 
 use hullwright::measure::{MeasureOptions, MeasuredMesh, measure};
 use hullwright::{

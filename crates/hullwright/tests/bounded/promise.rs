@@ -1,5 +1,5 @@
-//! The bound is kept: for every bound, every preset, and meshes of every kind, also of more than 100,000 triangles,
-//! which are divided into patches through reduced ones.
+//! The bound is kept: for every bound, every preset, and meshes of every kind, also of more than
+//! 100,000 triangles, which are divided into patches through reduced ones.
 
 use hullwright::{Decomposition, Length, Parameters, Preset};
 

@@ -1,5 +1,5 @@
-//! Simple shapes have as few hulls as a person would use; prisms have the known number at any bound. Hulls fill the
-//! solid and leave empty what is empty.
+//! Simple shapes have as few hulls as a person would use; prisms have the known number at any
+//! bound. Hulls fill the solid and leave empty what is empty.
 
 use std::time::{Duration, Instant};
 
@@ -195,8 +195,8 @@ fn cut_finely((mut positions, mut triangles): Mesh, times: usize) -> Mesh {
     (positions, triangles)
 }
 
-/// The top of a plate may be covered by a hull as thin as a sheet, and the bottom by another: what lies between
-/// them belongs to a hull too.
+/// The top of a plate may be covered by a hull as thin as a sheet, and the bottom by another: what
+/// lies between them belongs to a hull too.
 #[test]
 fn plates_are_filled_between_their_top_and_bottom() {
     for (sides, foot, height) in [(12, 0.3, 0.1), (12, 0.3, 0.12), (16, 0.24, 0.12)] {

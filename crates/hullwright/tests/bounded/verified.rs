@@ -1,10 +1,10 @@
 //! What the report calls verified, against brute force: never less than the largest sample, and
 //! larger by no more than the documentation says.
 //!
-//! By brute force, every distance is the least over all triangles, and the inside is where the winding number, summed
-//! over all triangles, is. It shares no code with the crate (see `oracle`). A face is sampled at the centres of its
-//! parts, which are divided until none can hold a distance that is larger than the largest sample by more than a
-//! tolerance.
+//! By brute force, every distance is the least over all triangles, and the inside is where the
+//! winding number, summed over all triangles, is. It shares no code with the crate (see `oracle`).
+//! A face is sampled at the centres of its parts, which are divided until none can hold a distance
+//! that is larger than the largest sample by more than a tolerance.
 
 use std::rc::Rc;
 
@@ -19,8 +19,8 @@ use crate::with_bound;
 /// Brute force finds the maximum up to this fraction of the bound.
 const TOLERANCE: f64 = 0.05;
 
-/// By `HullErrors::protrusion_max`: too large by at most this fraction of the bound, or of itself where
-/// it is above the bound,
+/// By `HullErrors::protrusion_max`: too large by at most this fraction of the bound, or of itself
+/// where it is above the bound,
 const TOO_LARGE: f64 = 0.04;
 
 /// and not resolved below this fraction.
@@ -177,7 +177,8 @@ fn assert_verified(name: &str, mesh: &Mesh, parameters: &Parameters) {
     }
     assert!(unresolved <= MOST_UNRESOLVED, "{name}: {unresolved} are not resolved");
     assert_eq!(most, report.protrusion_max, "{name}");
-    // Under a limit the search may take a larger bound, of which the uncovered distance resolves a share.
+    // Under a limit the search may take a larger bound, of which the uncovered distance resolves a
+    // share.
     let searched = bound.max(report.protrusion_max);
     assert_uncovered(name, solid, &result.hulls, report.uncovered_max, (searched, rounding));
 }

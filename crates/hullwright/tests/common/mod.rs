@@ -123,7 +123,8 @@ pub fn plus_prism() -> Mesh {
     prism(&outline, 1.0)
 }
 
-/// A prism over a comb: a base of height 1 with teeth up to `top`, a gap as wide as a tooth between them.
+/// A prism over a comb: a base of height 1 with teeth up to `top`, a gap as wide as a tooth between
+/// them.
 pub fn comb(teeth: u32, top: f64, height: f64) -> Mesh {
     let mut outline = vec![[0.0, 0.0], [f64::from(2 * teeth - 1), 0.0]];
     for tooth in (0..teeth).rev() {

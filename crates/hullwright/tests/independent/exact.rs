@@ -6,8 +6,8 @@ use robust::{Coord3D, orient3d};
 /// What is wrong with a hull; nothing of a sound one.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Faults {
-    /// An edge without exactly two triangles in opposite directions, a vertex that is not used, or not the
-    /// surface of one ball.
+    /// An edge without exactly two triangles in opposite directions, a vertex that is not used, or
+    /// not the surface of one ball.
     pub is_open: bool,
     /// A vertex strictly in front of a face.
     pub is_not_convex: bool,
@@ -17,8 +17,8 @@ pub struct Faults {
 
 /// Tests each vertex against each face. O(vertices times faces).
 ///
-/// A closed surface none of whose vertices is in front of a face bounds its convex hull; that has volume
-/// where a vertex is behind a face.
+/// A closed surface none of whose vertices is in front of a face bounds its convex hull; that has
+/// volume where a vertex is behind a face.
 pub fn faults<C: Copy + Into<f64>>(points: &[[C; 3]], triangles: &[[u32; 3]]) -> Faults {
     let exists = |&index: &u32| (index as usize) < points.len();
     if !triangles.iter().flatten().all(exists) || !is_ball(points.len(), triangles) {

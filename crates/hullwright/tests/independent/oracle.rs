@@ -1,5 +1,5 @@
-//! Distances and winding numbers by brute force, without any code of the crate: what its answers are
-//! checked against, in tests and in the laboratory.
+//! Distances and winding numbers by brute force, without any code of the crate: what its answers
+//! are checked against, in tests and in the laboratory.
 
 pub type Point = [f64; 3];
 

@@ -35,7 +35,8 @@ impl Places<'_> {
         all
     }
 
-    /// Whether a ball can move in a straight line between two places with these distances from the surface.
+    /// Whether a ball can move in a straight line between two places with these distances from the
+    /// surface.
     fn is_free(&self, (a, to_a): (Point, f64), (b, to_b): (Point, f64), halvings: u32) -> bool {
         if to_a < self.radius || to_b < self.radius {
             return false;
@@ -50,8 +51,9 @@ impl Places<'_> {
     }
 }
 
-/// How far hulls enter a ball at the most, at any place that it reaches from far outside or from given points in steps of a
-/// given size, and how many places these are. A ball whose centre is in a hull is entered by its radius.
+/// How far hulls enter a ball at the most, at any place that it reaches from far outside or from
+/// given points in steps of a given size, and how many places these are. A ball whose centre is in
+/// a hull is entered by its radius.
 pub fn deepest_entry(
     surface: &[Triangle],
     hulls: &[Convex],

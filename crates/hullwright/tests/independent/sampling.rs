@@ -1,5 +1,5 @@
-//! The bound against a dense sampling that shares no code with the library's: neither distances, nor
-//! winding numbers, nor where the samples are.
+//! The bound against a dense sampling that shares no code with the library's: neither distances,
+//! nor winding numbers, nor where the samples are.
 
 use std::collections::BTreeMap;
 
@@ -11,8 +11,8 @@ use super::oracle::{Convex, Point, Triangle, cross, middle, minus, norm, winding
 /// Corners and middles are samples for this many of the surface's triangles, evenly spread.
 const MOST_TRIANGLES: usize = 20_000;
 
-/// Solid angles that are summed for each point that was asked for: 10,000 points take some seconds at most. Points
-/// beyond that stay undecided.
+/// Solid angles that are summed for each point that was asked for: 10,000 points take some seconds
+/// at most. Points beyond that stay undecided.
 const SOLID_ANGLES: usize = 10_000;
 
 /// As the library defines the inside.
@@ -25,8 +25,8 @@ pub struct Sampled {
     pub protrusion: f64,
     /// The farthest that a sample of the surface is outside of every hull.
     pub uncovered: f64,
-    /// The most by which a sample of a hull is farther outside than was verified of that hull; negative
-    /// where all are nearer.
+    /// The most by which a sample of a hull is farther outside than was verified of that hull;
+    /// negative where all are nearer.
     pub beyond_verified: f64,
     /// Points on hulls and on the surface.
     pub samples: usize,
@@ -127,8 +127,8 @@ fn protrusion(
     sampled
 }
 
-/// Whether triangles run along some edge more often one way than the other: there the inside ends without a
-/// surface.
+/// Whether triangles run along some edge more often one way than the other: there the inside ends
+/// without a surface.
 fn is_open(triangles: &[[u32; 3]]) -> bool {
     let mut balance: BTreeMap<(u32, u32), i32> = BTreeMap::new();
     for &[a, b, c] in triangles {
@@ -143,8 +143,9 @@ fn is_open(triangles: &[[u32; 3]]) -> bool {
 /// Steps uphill from a point outside of an open surface.
 const STEPS: usize = 12;
 
-/// How far a point inside is that is found on the way along the winding number's gradient, in steps of a share of
-/// `limit`, the distance to the surface; `limit` where there is none. The nearest one may be nearer.
+/// How far a point inside is that is found on the way along the winding number's gradient, in steps
+/// of a share of `limit`, the distance to the surface; `limit` where there is none. The nearest one
+/// may be nearer.
 fn distance_to_inside(solid: &[Triangle], point: Point, limit: f64) -> f64 {
     let (difference, step) = (1e-3 * limit, limit / STEPS as f64);
     let mut at = point;
@@ -193,7 +194,8 @@ fn special_points(triangles: &[Triangle], every: usize) -> impl Iterator<Item = 
 
 /// So many points for a unit of area, spread over triangles.
 pub fn spread(triangles: &[Triangle], density: f64) -> impl Iterator<Item = Point> + '_ {
-    // Shares of a triangle are those of the additive recurrence of the plastic number (Roberts 2018).
+    // Shares of a triangle are those of the additive recurrence of the plastic number (Roberts
+    // 2018).
     const STEPS: [f64; 2] = [0.754_877_666_246_692_8, 0.569_840_290_998_053_3];
     let mut due = 0.0;
     let mut count = 0.0;

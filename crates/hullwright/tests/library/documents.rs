@@ -1,4 +1,5 @@
-//! What documents say is what is there: tests, links, paths, constants, and the hulls of the bundled models.
+//! What documents say is what is there: tests, links, paths, constants, and the hulls of the
+//! bundled models.
 
 use std::path::{Path, PathBuf};
 
@@ -67,8 +68,9 @@ fn code(text: &str) -> Vec<(&str, &str)> {
     parts.chunks_exact(2).map(|part| (part[0], part[1])).collect()
 }
 
-/// What is wrong with tests that a part of a document names: files that are not there, tests that are not in
-/// them. Files are below `tests`, unless they are sources; those of the command below its own.
+/// What is wrong with tests that a part of a document names: files that are not there, tests that
+/// are not in them. Files are below `tests`, unless they are sources; those of the command below
+/// its own.
 fn missing_tests(text: &str) -> Vec<String> {
     let mut missing = Vec::new();
     let mut file = None;
@@ -220,7 +222,8 @@ fn constant<'a>(source: &'a str, name: &str) -> Option<&'a str> {
     }
 }
 
-/// The numbers in the page about the method, as it says them, and the constants of the source that they are.
+/// The numbers in the page about the method, as it says them, and the constants of the source that
+/// they are.
 const CONSTANTS: [(&str, &[(&str, &str)]); 16] = [
     (
         "src/parameters.rs",

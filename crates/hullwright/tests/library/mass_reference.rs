@@ -1,5 +1,5 @@
-//! Volume, centre and inertia against closed forms: of any tetrahedron, of boxes anywhere and at any turn, and
-//! of stretched balls.
+//! Volume, centre and inertia against closed forms: of any tetrahedron, of boxes anywhere and at
+//! any turn, and of stretched balls.
 
 use std::f64::consts::PI;
 
@@ -27,7 +27,8 @@ fn inertia(moments: Matrix) -> Matrix {
         .map(|i| [0, 1, 2].map(|j| if i == j { trace - moments[i][i] } else { -moments[i][j] }))
 }
 
-/// Tonon, "Explicit exact formulas for the 3-D tetrahedron inertia tensor", 2004, around the centre.
+/// Tonon, "Explicit exact formulas for the 3-D tetrahedron inertia tensor", 2004, around the
+/// centre.
 #[test]
 fn any_tetrahedron_has_the_mass_centre_and_inertia_of_its_formula() {
     let mut random = Random(1);
@@ -102,7 +103,8 @@ fn a_box_at_any_turn_has_the_inertia_of_its_sides() {
     }
 }
 
-/// A ball of many faces, stretched by three factors: 4/3 π abc, and a fifth of the mass times sums of squares.
+/// A ball of many faces, stretched by three factors: 4/3 π abc, and a fifth of the mass times sums
+/// of squares.
 #[test]
 fn an_ellipsoid_of_many_faces_is_within_a_hundredth_of_its_formula() {
     let radii = [1.0, 0.4, 2.5];

@@ -63,8 +63,8 @@ fn a_box_and_its_own_hull_agree_in_everything() {
 
 #[test]
 fn a_crack_beside_a_triangle_without_area_is_no_hole() {
-    // One of two triangles at an edge has a vertex in its middle, a little beside it: less than a weld. What closes
-    // that crack is no triangle of the source.
+    // One of two triangles at an edge has a vertex in its middle, a little beside it: less than a
+    // weld. What closes that crack is no triangle of the source.
     let (mut positions, mut triangles) = unit_cube();
     let [a, b, c] = triangles[0];
     let middle = positions.len() as u32;
@@ -336,7 +336,8 @@ fn random_points_are_the_same_for_a_seed_on_any_number_of_threads_and_others_for
     assert!((of(1, true).protrusion.mean - even).abs() < 0.02 * even);
 }
 
-/// A needle thinner than repair's welding is dropped by `decompose`, and was held against its hulls.
+/// A needle thinner than repair's welding is dropped by `decompose`, and was held against its
+/// hulls.
 #[test]
 fn a_needle_that_repair_takes_for_a_line_leaves_nothing_uncovered() {
     let mesh = join(&[unit_cube(), cuboid([0.5, 0.5, 1.5], [0.5 + 1e-7, 0.5 + 1e-7, 4.5])]);

@@ -1,4 +1,5 @@
-//! The shapes whose openings the tests are about, and which `cargo lab pictures opening-cases` draws.
+//! The shapes whose openings the tests are about, and which `cargo lab pictures opening-cases`
+//! draws.
 
 use hullwright::{Sidedness, TriangleMesh};
 

@@ -1,5 +1,5 @@
-//! What becomes of what modellers leave open: each case with its number of hulls, points that must be filled,
-//! and points that must stay empty.
+//! What becomes of what modellers leave open: each case with its number of hulls, points that must
+//! be filled, and points that must stay empty.
 
 mod cases;
 // The unused rest is for other tests.

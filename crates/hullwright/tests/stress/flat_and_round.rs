@@ -15,7 +15,8 @@ fn exact_hull(points: &[[f64; 3]]) -> ConvexHull {
     hull
 }
 
-/// A flat side that is askew, so that none of its points is exactly in its plane, and of a million points.
+/// A flat side that is askew, so that none of its points is exactly in its plane, and of a million
+/// points.
 #[test]
 fn a_million_coplanar_points_are_the_corners_of_a_pyramid() {
     const SIDE: usize = 1000;
@@ -87,7 +88,8 @@ fn regular_prism(sides: u32, turn: f64) -> Mesh {
     (positions, triangles)
 }
 
-/// Four points of a rim are on a circle, and four of a wall in a plane: no choice is better than the other.
+/// Four points of a rim are on a circle, and four of a wall in a plane: no choice is better than
+/// the other.
 #[test]
 fn prisms_of_up_to_4096_sides_are_one_hull() {
     for sides in [3, 17, 64, 512, 4096] {
@@ -125,7 +127,8 @@ fn tens_of_thousands_of_cospherical_points_have_an_exact_hull() {
     }
 }
 
-/// Quads of a lathe are coplanar except for rounding, so that flat and curved can not be told apart.
+/// Quads of a lathe are coplanar except for rounding, so that flat and curved can not be told
+/// apart.
 #[test]
 fn a_ring_of_coplanar_quads_at_any_turn_keeps_the_promise() {
     let ring = lathe(&[[0.7, 0.0], [1.0, 0.0], [1.0, 0.3], [0.7, 0.3]], 48);

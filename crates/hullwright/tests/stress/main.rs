@@ -1,5 +1,5 @@
-//! Numerical stress: input that is hard on arithmetic, each with its reason. What is promised is judged by
-//! exact predicates and brute force, without the crate's code.
+//! Numerical stress: input that is hard on arithmetic, each with its reason. What is promised is
+//! judged by exact predicates and brute force, without the crate's code.
 //!
 //! | file | what is hard |
 //! |---|---|
@@ -49,8 +49,8 @@ fn decomposed((positions, triangles): &Mesh) -> Result<Decomposition, Error> {
     decompose(mesh, &Parameters::default(), &Control::new())
 }
 
-/// Decomposes a mesh in single precision. Hulls in single precision are exactly convex bodies, what is
-/// verified is within the bound, and what is sampled within what is verified, hull by hull.
+/// Decomposes a mesh in single precision. Hulls in single precision are exactly convex bodies, what
+/// is verified is within the bound, and what is sampled within what is verified, hull by hull.
 fn assert_sound(name: &str, mesh: &Mesh) -> Decomposition {
     let mesh = single(mesh);
     let found = decomposed(&mesh).unwrap_or_else(|error| panic!("{name}: {error}"));

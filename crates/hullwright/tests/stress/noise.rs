@@ -9,7 +9,8 @@ fn jittered(mesh: &Mesh, size: f64, seed: u64) -> Mesh {
     (moved, mesh.1.clone())
 }
 
-/// Jitter at the hull's tolerance of 2e-7, at welding's, and at the grid of 2^-38 on which ties break.
+/// Jitter at the hull's tolerance of 2e-7, at welding's, and at the grid of 2^-38 on which ties
+/// break.
 #[test]
 fn jitter_at_each_tolerance_keeps_the_promise() {
     for size in [4e-12, 1e-9, 6e-8, 2e-7, 4e-7, 1e-6, 1e-5, 1e-3] {
@@ -19,7 +20,8 @@ fn jitter_at_each_tolerance_keeps_the_promise() {
     }
 }
 
-/// Vertices that were one, apart by next to nothing: what welds and what does not changes the surface.
+/// Vertices that were one, apart by next to nothing: what welds and what does not changes the
+/// surface.
 #[test]
 fn split_vertices_that_are_nearly_equal_keep_the_promise() {
     let (positions, triangles) = u_prism();
@@ -46,7 +48,8 @@ fn spheres_with_noise_of_every_size_keep_the_promise() {
     }
 }
 
-/// Triangles between points of a small grid: equal, coplanar and collinear throughout, and no solid.
+/// Triangles between points of a small grid: equal, coplanar and collinear throughout, and no
+/// solid.
 #[test]
 fn lattice_soups_keep_the_promise() {
     let mut random = Random(13);

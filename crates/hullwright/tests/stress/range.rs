@@ -6,7 +6,8 @@ use crate::common::{Mesh, cuboid, torus, u_prism};
 use crate::independent::exact::{Faults, faults};
 use crate::{assert_sound, decomposed, placed};
 
-/// Squares and cubes of lengths leave the range of `f32` at 1e±13, and thresholds in absolute units show.
+/// Squares and cubes of lengths leave the range of `f32` at 1e±13, and thresholds in absolute units
+/// show.
 #[test]
 fn from_a_trillionth_of_a_micrometre_to_beyond_light_years_the_hulls_are_as_many() {
     let expected = assert_sound("1", &torus()).hulls.len();
@@ -82,7 +83,8 @@ fn an_outlier_that_leaves_only_a_line_is_a_typed_error() {
     }
 }
 
-/// Double precision reaches beyond what engines can hold: that is an error, not rounded to infinity.
+/// Double precision reaches beyond what engines can hold: that is an error, not rounded to
+/// infinity.
 #[test]
 fn what_is_beyond_single_precision_has_hulls_whose_rounding_is_an_error() {
     for scale in [1e39, 1e150, 1e300] {

@@ -9,7 +9,8 @@ fn askew([x, y, z]: [f64; 3]) -> [f64; 3] {
     [0.6 * x - 0.8 * y, 0.48 * x + 0.36 * y - 0.8 * z, 0.64 * x + 0.48 * y + 0.6 * z]
 }
 
-/// Needles a few millionths as wide as long are near the hull's tolerance, and thinner than engines can hold.
+/// Needles a few millionths as wide as long are near the hull's tolerance, and thinner than engines
+/// can hold.
 #[test]
 fn needles_of_millionths_in_any_direction_are_bodies() {
     for [a, b] in [[1e-4, 1e-4], [1e-5, 2e-6], [2e-6, 2e-6]] {

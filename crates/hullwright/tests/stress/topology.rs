@@ -112,8 +112,8 @@ fn nested_shells_keep_the_promise_whichever_way_they_face() {
     }
 }
 
-/// Boxes that share a vertex, an edge or a face, with their vertices welded: non-manifold, and no thickness
-/// where they meet.
+/// Boxes that share a vertex, an edge or a face, with their vertices welded: non-manifold, and no
+/// thickness where they meet.
 #[test]
 fn boxes_that_share_a_vertex_an_edge_or_a_face_are_two_hulls_at_most() {
     let first = cuboid([0.0; 3], [1.0; 3]);
@@ -171,8 +171,8 @@ fn many_sheets_on_one_edge_keep_the_promise() {
     assert_sound("fan", &(positions, triangles));
 }
 
-/// Loose triangles through one another, each with edges of its own: the inside ends without a surface at all of
-/// them, and winding numbers of either sign add up and cancel.
+/// Loose triangles through one another, each with edges of its own: the inside ends without a
+/// surface at all of them, and winding numbers of either sign add up and cancel.
 #[test]
 fn loose_triangles_keep_the_promise() {
     for (seed, count) in [(224, 97), (13, 40), (7, 12)] {

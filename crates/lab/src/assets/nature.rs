@@ -9,8 +9,8 @@ use super::shape::{Point, Shape, skin};
 const FUR: Material = Material::new("fur", [188, 142, 94]);
 const GREEN: Material = Material::new("leaf green", [112, 156, 72]);
 
-/// Size of the dog's quads. Some sizes, such as 0.025, let a cell catch two sheets at the hock, which
-/// is then not manifold; a test watches over it.
+/// Size of the dog's quads. Some sizes, such as 0.025, let a cell catch two sheets at the hock,
+/// which is then not manifold; a test watches over it.
 const DOG_CELL: f64 = 0.024;
 
 pub fn dog() -> Model {

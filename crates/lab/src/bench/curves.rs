@@ -37,22 +37,22 @@ impl Curve {
         Self { points: front }
     }
 
-    /// Hulls needed for an error. For an error larger than any setting has, the fewest hulls, which do with less;
-    /// `None` for one that no setting reaches.
+    /// Hulls needed for an error. For an error larger than any setting has, the fewest hulls, which
+    /// do with less; `None` for one that no setting reaches.
     pub fn hulls_at(&self, error: f64) -> Option<f64> {
         let points = self.points.iter().rev().map(|point| (point.error, point.hulls));
         between(points, error.max(LEAST_ERROR))
     }
 
-    /// Error reached with so many hulls: with more than any setting has, its least error; `None` for fewer than
-    /// any has.
+    /// Error reached with so many hulls: with more than any setting has, its least error; `None`
+    /// for fewer than any has.
     pub fn error_at(&self, hulls: f64) -> Option<f64> {
         between(self.points.iter().map(|point| (point.hulls, point.error)), hulls)
     }
 }
 
-/// The value at `x` of points by ascending `x`: on the straight line between those around it, in logarithms, since all
-/// are positive; the last one's beyond it.
+/// The value at `x` of points by ascending `x`: on the straight line between those around it, in
+/// logarithms, since all are positive; the last one's beyond it.
 fn between(points: impl Iterator<Item = (f64, f64)>, x: f64) -> Option<f64> {
     let mut before = None;
     for (x1, y1) in points {

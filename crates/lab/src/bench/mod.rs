@@ -1,5 +1,5 @@
-//! `cargo lab bench`: every mesh × every method × a sweep of each method's own setting; then tables, curves and
-//! plots.
+//! `cargo lab bench`: every mesh × every method × a sweep of each method's own setting; then
+//! tables, curves and plots.
 
 mod curves;
 mod plot;
@@ -49,8 +49,8 @@ pub struct Arguments {
     #[arg(long, value_name = "DIR")]
     external_tools: Option<PathBuf>,
 
-    /// Judge protrusion where a ball of this radius comes, and fill the rest: a fraction of the diagonal. Into a report
-    /// of its own
+    /// Judge protrusion where a ball of this radius comes, and fill the rest: a fraction of the
+    /// diagonal. Into a report of its own
     #[arg(long, value_name = "RADIUS")]
     probe_radius: Option<f64>,
 
@@ -71,8 +71,8 @@ pub struct Arguments {
     report_only: bool,
 }
 
-/// How many meshes `--quick` takes, at least one of each folder: with about a second for each of its
-/// runs it stays below two minutes.
+/// How many meshes `--quick` takes, at least one of each folder: with about a second for each of
+/// its runs it stays below two minutes.
 const QUICK_MESHES: usize = 12;
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {

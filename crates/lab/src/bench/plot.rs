@@ -36,8 +36,8 @@ const TITLE: &str = "Error against time";
 const TITLE_SIZE: i32 = 17;
 const LABEL_SIZE: i32 = 13;
 
-/// One per method, in the order of [`METHODS`]: distinct for colour-blind eyes too (Okabe and Ito). Then the
-/// method's name for people.
+/// One per method, in the order of [`METHODS`]: distinct for colour-blind eyes too (Okabe and Ito).
+/// Then the method's name for people.
 const COLOURS: [(RGBColor, &str); 4] = [
     (RGBColor(213, 94, 0), "Hullwright"),
     (RGBColor(0, 114, 178), "surface (the paper's)"),

@@ -1,7 +1,9 @@
-//! `cargo lab concavity`: how concave parts are that hulls stand for, as CoACD measures it (Wei, Liu, Ling and Su 2022).
+//! `cargo lab concavity`: how concave parts are that hulls stand for, as CoACD measures it (Wei,
+//! Liu, Ling and Su 2022).
 //!
-//! A part is the solid within a hull, so that hulls may overlap. Its concavity is the larger of the Hausdorff distance
-//! between its boundary and the hull's, and of k times the radius of a ball as large as what the hull adds.
+//! A part is the solid within a hull, so that hulls may overlap. Its concavity is the larger of the
+//! Hausdorff distance between its boundary and the hull's, and of k times the radius of a ball as
+//! large as what the hull adds.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -23,10 +25,11 @@ use crate::tools::data_folder::DataFolder;
 use crate::tools::meshes::{self, Mesh};
 use crate::tools::methods::bounded;
 
-/// Measure hulls as CoACD does: the concavity of the solid within each hull, on meshes of longest side 2
+/// Measure hulls as CoACD does: the concavity of the solid within each hull, on meshes of longest
+/// side 2
 ///
-/// Needs a Python with the packages manifold3d and numpy, for the intersections. Meshes that are no manifold are left
-/// out.
+/// Needs a Python with the packages manifold3d and numpy, for the intersections. Meshes that are no
+/// manifold are left out.
 #[derive(clap::Args)]
 pub struct Arguments {
     #[arg(required = true, value_name = "DIR", help = meshes::folders_help())]
@@ -36,8 +39,8 @@ pub struct Arguments {
     #[arg(long, value_name = "BOUNDS", value_delimiter = ',', default_values_t = [0.02, 0.016, 0.014])]
     bounds: Vec<f64>,
 
-    /// A folder with CoACD's hulls in peers/coacd. Where there are some, ours are compared with no more hulls, and
-    /// with no more concavity
+    /// A folder with CoACD's hulls in peers/coacd. Where there are some, ours are compared with no
+    /// more hulls, and with no more concavity
     #[arg(long, value_name = "DIR")]
     peers: Option<PathBuf>,
 
@@ -57,7 +60,8 @@ const K: f64 = 0.3;
 
 const SCRIPT: &str = include_str!("intersect.py");
 
-/// Distances from the hull's boundary to the part's and back, and the radius times [`K`]; each the largest of all hulls.
+/// Distances from the hull's boundary to the part's and back, and the radius times [`K`]; each the
+/// largest of all hulls.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 struct Concavity {
     to_part: f64,
@@ -268,7 +272,8 @@ mod tests {
             cuboid([0.0, 0.0, 0.0], [1.0, 2.0, 4.0]),
             cuboid([1.0, 0.0, 0.0], [2.0, 1.0, 4.0]),
         ]);
-        // The part of the first one's side that the second one covers, and the second one's side there, are inside.
+        // The part of the first one's side that the second one covers, and the second one's side
+        // there, are inside.
         let side =
             |triangle: &[u32; 3]| triangle.iter().all(|&v| l.positions[v as usize][0] == 1.0);
         let inner: Vec<[u32; 3]> = l.triangles.iter().copied().filter(side).collect();

@@ -21,7 +21,8 @@ use crate::tools::vhacd;
 
 /// Draw the gallery: the bundled models and shapes of trouble, ours beside V-HACD's
 ///
-/// Writes gallery.md and the pictures in gallery/ into a folder. The same input gives the same files.
+/// Writes gallery.md and the pictures in gallery/ into a folder. The same input gives the same
+/// files.
 #[derive(clap::Args)]
 pub struct Arguments {
     /// The folder that the gallery goes to

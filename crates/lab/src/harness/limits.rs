@@ -38,8 +38,8 @@ const MOST_BYTES: u64 = 1 << 24;
 /// Exit code of a Rust program that panicked.
 const PANICKED: i32 = 101;
 
-/// Runs a command under limits. Exit code 1 is an error that the program reports in its last line of
-/// standard error; any other end but success is a crash.
+/// Runs a command under limits. Exit code 1 is an error that the program reports in its last line
+/// of standard error; any other end but success is a crash.
 pub fn run(mut command: Command, limits: Limits) -> Result<Ended, String> {
     // Without any time, whether a quick process ends in it would be chance.
     if limits.time.is_zero() {

@@ -1,8 +1,8 @@
 //! The one way in which experiments run meshes.
 //!
-//! An experiment says which meshes, and which [`Task`]s for each. A [`Session`] runs each task in a process
-//! with limits, keeps its [`Row`] in a journal, so that it can be stopped and continued, and writes the report
-//! with the experiment's tables.
+//! An experiment says which meshes, and which [`Task`]s for each. A [`Session`] runs each task in a
+//! process with limits, keeps its [`Row`] in a journal, so that it can be stopped and continued,
+//! and writes the report with the experiment's tables.
 
 mod journal;
 pub mod limits;

@@ -45,10 +45,11 @@ impl Status {
     }
 }
 
-/// One mesh, one method with its setting, one variation of the mesh. What is `None` was not reached or not
-/// asked for. Lengths are fractions of the mesh's diagonal.
+/// One mesh, one method with its setting, one variation of the mesh. What is `None` was not reached
+/// or not asked for. Lengths are fractions of the mesh's diagonal.
 ///
-/// The names are columns of CSV files, which later versions read: aliases are those of earlier ones.
+/// The names are columns of CSV files, which later versions read: aliases are those of earlier
+/// ones.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Row {
@@ -67,7 +68,8 @@ pub struct Row {
     /// Whether the time was taken on another machine.
     pub taken_elsewhere: bool,
     pub triangles: Option<usize>,
-    /// What is wrong with the mesh as it is given, by commas, where the task asks; empty for a solid.
+    /// What is wrong with the mesh as it is given, by commas, where the task asks; empty for a
+    /// solid.
     pub kinds: String,
     pub hulls: Option<usize>,
     pub vertices: Option<usize>,
@@ -207,7 +209,8 @@ impl Row {
         self.samples_space = Some(found.samples.volume);
     }
 
-    /// Whether more is verified than the bound, or more is found than was verified, up to `tolerance`.
+    /// Whether more is verified than the bound, or more is found than was verified, up to
+    /// `tolerance`.
     pub fn exceeds(&self, protrusion: f64, uncovered: f64, tolerance: f64) -> bool {
         let (Some(bound), Some(most_protrusion), Some(most_uncovered)) =
             (self.bound, self.protrusion_verified, self.uncovered_verified)

@@ -1,5 +1,5 @@
-//! `lab run`: one task, in a process of its own. It prints its row after decomposing, and again after each
-//! judge, so that what is known stays known however the process ends.
+//! `lab run`: one task, in a process of its own. It prints its row after decomposing, and again
+//! after each judge, so that what is known stays known however the process ends.
 
 use std::path::PathBuf;
 use std::time::Instant;
@@ -44,7 +44,8 @@ pub struct Judge {
     pub volume_samples: usize,
     /// Exact predicates, and the bound by a sampling of our own, which knows no probe.
     pub by_brute_force: bool,
-    /// As a fraction of the diagonal. Protrusion counts where such a ball comes, and the bounded method fills the rest.
+    /// As a fraction of the diagonal. Protrusion counts where such a ball comes, and the bounded
+    /// method fills the rest.
     pub probe_radius: Option<f64>,
 }
 
@@ -262,7 +263,8 @@ fn hull_meshes(hulls: &[Hull]) -> Vec<NamedMesh> {
     hulls.iter().map(|hull| NamedMesh { name: String::new(), mesh: mesh(hull) }).collect()
 }
 
-/// Judges hulls of any kind: ours against the mesh with those openings closed that the bound closes.
+/// Judges hulls of any kind: ours against the mesh with those openings closed that the bound
+/// closes.
 fn judge_by_measure(
     task: &Task,
     mesh: MeshView<'_>,
@@ -281,8 +283,8 @@ fn judge_by_measure(
     Ok(())
 }
 
-/// Judges our hulls by exact predicates in single precision, and the bound by a sampling that shares no code
-/// with the library.
+/// Judges our hulls by exact predicates in single precision, and the bound by a sampling that
+/// shares no code with the library.
 fn judge_by_brute_force(
     task: &Task,
     mesh: MeshView<'_>,

@@ -1,4 +1,5 @@
-//! `cargo lab sweep`: every mesh below folders, the same damaged, and random ones, and what became of them.
+//! `cargo lab sweep`: every mesh below folders, the same damaged, and random ones, and what became
+//! of them.
 
 mod changes;
 mod summary;
@@ -16,11 +17,12 @@ use crate::tools::methods::Run;
 use crate::tools::soup::{self, soup, to_obj};
 use crate::tools::variations::Variation;
 
-/// Decompose every mesh below folders, eleven damaged copies of each, and random ones, and count what became of
-/// them
+/// Decompose every mesh below folders, eleven damaged copies of each, and random ones, and count
+/// what became of them
 ///
-/// Each in a process with limits, on one thread. Hulls are judged by exact predicates in single precision, the
-/// bound by a sampling that shares no code with the library. Can be stopped, and goes on where it was.
+/// Each in a process with limits, on one thread. Hulls are judged by exact predicates in single
+/// precision, the bound by a sampling that shares no code with the library. Can be stopped, and
+/// goes on where it was.
 #[derive(clap::Args)]
 pub struct Arguments {
     #[arg(required = true, value_name = "DIR", help = meshes::folders_help())]
@@ -63,8 +65,8 @@ pub struct Arguments {
     report_only: bool,
 }
 
-/// Fewer points than in the benchmark, since there are many meshes: shares of the volume are known to about a
-/// hundredth.
+/// Fewer points than in the benchmark, since there are many meshes: shares of the volume are known
+/// to about a hundredth.
 const JUDGE: Judge = Judge {
     is_timed: false,
     surface_samples: 10_000,
@@ -76,7 +78,8 @@ const JUDGE: Judge = Judge {
 /// Of meshes that are damaged or random, of which there are most. Corners and middles come on top.
 const QUICK_JUDGE: Judge = Judge { surface_samples: 2000, volume_samples: 2000, ..JUDGE };
 
-/// Damaged copies of larger meshes would take most of the time, and show nothing that small ones do not.
+/// Damaged copies of larger meshes would take most of the time, and show nothing that small ones do
+/// not.
 const MOST_DAMAGED: usize = 100_000;
 
 /// The folder of random meshes in a report, and in the names of meshes.

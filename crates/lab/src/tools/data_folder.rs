@@ -12,13 +12,13 @@ use super::methods::Run;
 /// A folder with any of:
 /// - `meshes`;
 /// - `paper/table1.tsv`, the paper's Table 1 with the names of its meshes;
-/// - `peers/results.tsv`, what other tools returned, with CoACD's hulls in `peers/coacd`, and the meshes of
-///   glTF scenes flattened in `peers/src`.
+/// - `peers/results.tsv`, what other tools returned, with CoACD's hulls in `peers/coacd`, and the
+///   meshes of glTF scenes flattened in `peers/src`.
 #[derive(Debug, Clone)]
 pub struct DataFolder(pub PathBuf);
 
-/// What another tool returned for a mesh, and what another evaluator measured. Lengths are fractions of
-/// the diagonal.
+/// What another tool returned for a mesh, and what another evaluator measured. Lengths are
+/// fractions of the diagonal.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 pub struct ToolResult {
     pub mesh: String,

@@ -1,4 +1,5 @@
-//! What is wrong with a mesh as it is given, in the words of Thingi10K's statistics (Zhou and Jacobson 2016).
+//! What is wrong with a mesh as it is given, in the words of Thingi10K's statistics (Zhou and
+//! Jacobson 2016).
 
 use std::collections::HashMap;
 
@@ -7,8 +8,8 @@ use robust::{Coord, Coord3D, orient2d, orient3d};
 
 /// Any of the others.
 pub const NOT_SOLID: &str = "not solid";
-/// Two triangles meet elsewhere than in a common edge or vertex, by exact predicates. Overlaps in one plane are seen
-/// between triangles that share an edge.
+/// Two triangles meet elsewhere than in a common edge or vertex, by exact predicates. Overlaps in
+/// one plane are seen between triangles that share an edge.
 pub const SELF_INTERSECTING: &str = "self-intersecting";
 /// Over common vertices. Such a mesh may be solid.
 pub const SEVERAL_COMPONENTS: &str = "several components";
@@ -31,8 +32,8 @@ pub const ALL: [&str; 7] = [
     SEVERAL_COMPONENTS,
 ];
 
-/// All kinds of a mesh whose vertices at the same place are one. O(n log n) beside the pairs of triangles whose boxes
-/// overlap along an axis.
+/// All kinds of a mesh whose vertices at the same place are one. O(n log n) beside the pairs of
+/// triangles whose boxes overlap along an axis.
 pub fn kinds(mesh: &TriangleMesh) -> Vec<&'static str> {
     let (points, triangles, mut is_degenerate) = welded(mesh);
     let at = |vertex: u32| points[vertex as usize];

@@ -15,7 +15,8 @@ pub enum Run {
     Bounded { error: f64, preset: Preset },
     /// Parry's, as Rapier calls it.
     Vhacd { concavity: f64, resolution: u32 },
-    /// CoACD's hulls as another machine computed them in so many seconds, with its default threshold.
+    /// CoACD's hulls as another machine computed them in so many seconds, with its default
+    /// threshold.
     CoacdFiles { hulls: PathBuf, seconds: f64 },
 }
 

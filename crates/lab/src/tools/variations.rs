@@ -273,8 +273,8 @@ fn split(mesh: &TriangleMesh, share: f64) -> TriangleMesh {
     TriangleMesh { positions: positions.collect(), triangles: triangles.collect(), ..mesh.clone() }
 }
 
-/// Collapses an edge of each triangle in a random order, unless one of its ends was collapsed before. Vertices at the same
-/// place move together.
+/// Collapses an edge of each triangle in a random order, unless one of its ends was collapsed
+/// before. Vertices at the same place move together.
 fn decimate(mesh: &mut TriangleMesh) {
     let mut places: HashMap<[u64; 3], Vec<usize>> = HashMap::new();
     for (vertex, point) in mesh.positions.iter().enumerate() {

@@ -22,8 +22,8 @@ fn manifold(
     manifolds.swap_remove(0)
 }
 
-/// Bodies put onto the faces of a hull, so that they sink in by a share of the hull's size: their shape,
-/// their pose, and the face's normal.
+/// Bodies put onto the faces of a hull, so that they sink in by a share of the hull's size: their
+/// shape, their pose, and the face's normal.
 fn bodies_on_faces(hull: &dyn Shape, size: f32, depth: f32) -> Vec<(SharedShape, Pose, Vector)> {
     let half = 0.05 * size;
     let (points, triangles) = hull.as_convex_polyhedron().unwrap().to_trimesh();
@@ -45,8 +45,8 @@ fn bodies_on_faces(hull: &dyn Shape, size: f32, depth: f32) -> Vec<(SharedShape,
         .collect()
 }
 
-/// Scaled by a power of two, a contact has the same bits except the exponent: so what is right at 16 m, where
-/// Parry's tolerances are small, is right at a millimetre.
+/// Scaled by a power of two, a contact has the same bits except the exponent: so what is right at
+/// 16 m, where Parry's tolerances are small, is right at a millimetre.
 #[test]
 fn contacts_are_right_and_the_same_from_a_millimetre_to_sixteen_metres() {
     const DEPTH: f32 = 0.005;

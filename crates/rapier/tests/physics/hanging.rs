@@ -1,5 +1,5 @@
-//! What hangs on a peg comes to rest. `crates/lab/reports/rapier-hooks.md` says why Rapier's defaults keep it
-//! swinging.
+//! What hangs on a peg comes to rest. `crates/lab/reports/rapier-hooks.md` says why Rapier's
+//! defaults keep it swinging.
 
 use std::f32::consts::{PI, TAU};
 
@@ -7,8 +7,8 @@ use rapier3d::prelude::*;
 
 use crate::world::{Prop, World};
 
-/// How far bodies may move before their contacts are computed anew, in units of length: Rapier's own 0.05 keeps
-/// contacts where they were while a body rocks, which feeds the swing.
+/// How far bodies may move before their contacts are computed anew, in units of length: Rapier's
+/// own 0.05 keeps contacts where they were while a body rocks, which feeds the swing.
 const RECYCLED_FOR: f32 = 0.001;
 
 /// As in air: a swing of two seconds loses two thirds of its speed.
@@ -19,7 +19,8 @@ const REST: f32 = 1e-3;
 
 const PEG: f32 = 0.05;
 
-/// A ring of bars around z, of an inner radius of half a metre. It starts with a bar's middle above the centre.
+/// A ring of bars around z, of an inner radius of half a metre. It starts with a bar's middle above
+/// the centre.
 fn ring(bars: usize) -> ColliderBuilder {
     let (radius, thickness, depth) = (0.5, 0.1, 0.3);
     let half = radius * (PI / bars as f32).tan();

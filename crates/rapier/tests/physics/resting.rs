@@ -57,10 +57,10 @@ fn a_gear_stands_on_its_teeth_or_lies_on_its_hub() {
     let tolerance = bound as f32 * 0.17 + 0.0005;
     let centre = Vector::from(gear.mass_properties().centre.map(|x| x as f32));
 
-    // Standing: on one tooth's tip, or on the two beside a gap. Both are sides of the polygon around
-    // the teeth, whose corners are at these shares of a tooth's angle. Locks keep it from falling
-    // over. Rapier lets a body on two narrow feet rock for ever (a compound of two cuboids does it
-    // too), so it is the mean that counts.
+    // Standing: on one tooth's tip, or on the two beside a gap. Both are sides of the polygon
+    // around the teeth, whose corners are at these shares of a tooth's angle. Locks keep it from
+    // falling over. Rapier lets a body on two narrow feet rock for ever (a compound of two cuboids
+    // does it too), so it is the mean that counts.
     let upright = LockedAxes::TRANSLATION_LOCKED_Z
         | LockedAxes::ROTATION_LOCKED_X
         | LockedAxes::ROTATION_LOCKED_Y;

@@ -1,5 +1,5 @@
-//! What rolls or slides over the seams of a compound goes straight on. `docs/reliability.md` has more floors,
-//! speeds and headings.
+//! What rolls or slides over the seams of a compound goes straight on. `docs/reliability.md` has
+//! more floors, speeds and headings.
 
 use hullwright_rapier::shape_from_points;
 use rapier3d::prelude::*;

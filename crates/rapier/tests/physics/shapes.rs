@@ -1,4 +1,5 @@
-//! Concave things do what only concave things can, and what modellers leave open is solid or not as a player expects.
+//! Concave things do what only concave things can, and what modellers leave open is solid or not as
+//! a player expects.
 
 use rapier3d::prelude::*;
 

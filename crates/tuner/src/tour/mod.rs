@@ -1,5 +1,5 @@
-//! A tour without a person: mouse and keys go to every control, each step writes a picture and checks
-//! what came of it, and the longest frame is measured, all but the drawing.
+//! A tour without a person: mouse and keys go to every control, each step writes a picture and
+//! checks what came of it, and the longest frame is measured, all but the drawing.
 
 mod hand;
 mod seen;
@@ -22,8 +22,8 @@ use crate::stopwatch::Stopwatch;
 /// Frames for which all has to sleep.
 const STILL_FRAMES: usize = 6;
 
-/// Frames without a job after which a step that does not settle is taken as it is: half a minute of a
-/// fall.
+/// Frames without a job after which a step that does not settle is taken as it is: half a minute of
+/// a fall.
 const MOST_FRAMES: usize = 600;
 
 /// A job that has run for this long, in seconds, is slow.

@@ -24,8 +24,8 @@ pub enum When {
     Busy,
 }
 
-/// A step: its name, what is done, when the picture is taken, and what has to be true then of what was
-/// seen before and is seen now.
+/// A step: its name, what is done, when the picture is taken, and what has to be true then of what
+/// was seen before and is seen now.
 pub struct Step {
     /// Also the picture's name.
     pub name: &'static str,

@@ -1,5 +1,5 @@
-//! Bakes the game's props: `props ASSETS FILE.hullscene`. The bundled models, each stretched by a little more, so that no
-//! two have the same hulls.
+//! Bakes the game's props: `props ASSETS FILE.hullscene`. The bundled models, each stretched by a
+//! little more, so that no two have the same hulls.
 
 #[cfg(not(target_family = "wasm"))]
 fn main() -> Result<(), Box<dyn std::error::Error>> {

@@ -1,7 +1,8 @@
-//! How many pieces cover each patch: which pieces can be dropped, and which piece owns a patch that several
-//! cover.
+//! How many pieces cover each patch: which pieces can be dropped, and which piece owns a patch that
+//! several cover.
 //!
-//! Counts are kept up to date as pieces change, so that what a piece alone covers takes one comparison of sets.
+//! Counts are kept up to date as pieces change, so that what a piece alone covers takes one
+//! comparison of sets.
 
 use crate::bounded::joins::Cost;
 use crate::bounded::patch::{PatchSet, Patches, Piece};
@@ -70,8 +71,8 @@ pub(super) fn drop_redundant(patches: &Patches, pieces: &mut Vec<Piece>) {
     });
 }
 
-/// Assigns shared patches, largest first, to the piece that grows least, and shrinks pieces to the hulls of what
-/// they own. O(patches · pieces) hulls at worst.
+/// Assigns shared patches, largest first, to the piece that grows least, and shrinks pieces to the
+/// hulls of what they own. O(patches · pieces) hulls at worst.
 pub(crate) fn assign_owners(
     patches: &Patches,
     pieces: &[Piece],

@@ -1,5 +1,5 @@
-//! Growing: a piece takes the patches that fit, nearest first. O(patches) distances and fit tests for each 15 % of
-//! its volume.
+//! Growing: a piece takes the patches that fit, nearest first. O(patches) distances and fit tests
+//! for each 15 % of its volume.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -16,16 +16,17 @@ use crate::solid::FitTester;
 /// Maximum number of patches that are tried at once; 64 are no faster.
 const MAX_BATCH: usize = 16;
 
-/// A patch that protrudes from a hull by less than this fraction of the diagonal counts as contained. Less
-/// than what a final hull may leave uncovered (5 % of the bound) for bounds from 0.6 % on.
+/// A patch that protrudes from a hull by less than this fraction of the diagonal counts as
+/// contained. Less than what a final hull may leave uncovered (5 % of the bound) for bounds from
+/// 0.6 % on.
 const CONTAINED_TOLERANCE: f64 = 3e-4;
 
 /// Growth of the hull's volume after which the patches are ordered anew: a trade of the time to
 /// compute all distances again for an order that follows the hull.
 const REORDER: f64 = 1.15;
 
-/// Patches that are refused one after the other before a piece stops growing: the nearest are tried first, and
-/// few that come later fit. With 11 there are as many hulls on 471 meshes, for up to 6 % more work.
+/// Patches that are refused one after the other before a piece stops growing: the nearest are tried
+/// first, and few that come later fit.
 const MAX_REFUSED_IN_TURN: usize = 8;
 
 /// What pieces grow by, and what was learned from refusals.
@@ -42,10 +43,11 @@ impl Grower<'_> {
         !self.patches.conflicts[patch as usize].intersects(set) && !self.learning.refuse(set, patch)
     }
 
-    /// Grows a piece by the patches of `wanted` that fit, in order of distance, until many in turn do not.
+    /// Grows a piece by the patches of `wanted` that fit, in order of distance, until many in turn
+    /// do not.
     ///
-    /// As long as batches fit, they double: faces that would only exist between one patch and the next
-    /// are never tested.
+    /// As long as batches fit, they double: faces that would only exist between one patch and the
+    /// next are never tested.
     pub(super) fn grow(&mut self, piece: &mut Piece, wanted: &PatchSet) -> Result<(), Error> {
         let mut open = wanted.clone();
         open.difference_with(&piece.patches);
@@ -168,8 +170,9 @@ impl Growth<'_, '_> {
 
 /// Patches in the order of their distances from a hull, by their representatives.
 ///
-/// Few of the patches are tried before the hull has grown and they are ordered anew. So most distances are bounded by some
-/// of the hull's faces, and computed only where the bound is the least.
+/// Few of the patches are tried before the hull has grown and they are ordered anew. So most
+/// distances are bounded by some of the hull's faces, and computed only where the bound is the
+/// least.
 #[derive(Default)]
 struct Order {
     faces: EarlierFaces,

@@ -1,6 +1,7 @@
 //! Cover: few pieces that together contain all patches.
 //!
-//! Takes the pieces of merging, gives fewer of them, each patch with one owner. A set cover by local search.
+//! Takes the pieces of merging, gives fewer of them, each patch with one owner. A set cover by
+//! local search.
 //!
 //! | file | contents |
 //! |---|---|
@@ -9,10 +10,11 @@
 //! | `dissolve` | pieces leave their patches to others and disappear |
 //! | `nogoods` | three points of patches that no hull that fits contains, learned from refusals |
 //!
-//! Then filling: hulls of large patches cover the surface and may leave the inside of a solid hollow,
-//! above all after pieces have shrunk to what they own. Points inside that no piece contains go back
-//! to a piece that contained them before, or to one that can grow over them. There are as many hulls
-//! as before. O(points · faces of all pieces), and a limited number of joint hulls.
+//! Then filling: hulls of large patches cover the surface and may leave the inside of a solid
+//! hollow, above all after pieces have shrunk to what they own. Points inside that no piece
+//! contains go back to a piece that contained them before, or to one that can grow over them. There
+//! are as many hulls as before. O(points · faces of all pieces), and a limited number of joint
+//! hulls.
 
 pub(super) mod coverage;
 mod dissolve;
@@ -32,7 +34,7 @@ use grow::Grower;
 use nogoods::{Learning, Nogoods, PointsOfPatches};
 
 /// Share of the first round's budget that the last round of dissolving may spend: more than nearly
-/// all meshes need. Without a budget, a mesh of 464 hulls took ten times as long.
+/// all meshes need.
 const LAST_ROUND_BUDGET: f64 = 0.1;
 
 /// Pieces that may grow at the same time. They do not learn from each other.
@@ -41,11 +43,12 @@ const AT_ONCE: usize = 4;
 /// Points in the box around all pieces: a cavity of a thousandth of the box holds a few.
 const POINTS: usize = 2000;
 
-/// A piece gets back what it contained if that holds at least this many points that are uncovered: a single one of
-/// [`POINTS`] may be a crack between hulls.
+/// A piece gets back what it contained if that holds at least this many points that are uncovered:
+/// a single one of [`POINTS`] may be a crack between hulls.
 const MIN_POINTS: usize = 2;
 
-/// Joint hulls that are tested for points that no piece has contained: a limit on time that hardly any mesh meets.
+/// Joint hulls that are tested for points that no piece has contained: a limit on time that hardly
+/// any mesh meets.
 const MAX_ATTEMPTS: usize = 96;
 
 /// Points this near to a hull count as covered. As a fraction of the diagonal.
@@ -84,8 +87,8 @@ pub(crate) fn cover(search: &Search<'_>, pieces: Vec<Piece>) -> Result<Cover, Er
     Ok(Cover { pieces: owned, before_last_round })
 }
 
-/// Pieces that have taken the patches that fit, those of the largest area first. One that others cover by
-/// then is left out.
+/// Pieces that have taken the patches that fit, those of the largest area first. One that others
+/// cover by then is left out.
 fn grow_all(
     search: &Search<'_>,
     mut pieces: Vec<Piece>,
@@ -157,8 +160,8 @@ fn fill(pieces: &mut [Piece], before: &[Piece], search: &Search<'_>) -> Result<(
     grow_over(pieces, hollow, search)
 }
 
-/// Extends pieces by single points, flat pieces among them: under a large face of a thin solid, the piece of that face
-/// is often the only one that can be extended.
+/// Extends pieces by single points, flat pieces among them: under a large face of a thin solid, the
+/// piece of that face is often the only one that can be extended.
 fn grow_over(
     pieces: &mut [Piece],
     mut hollow: Vec<Vector>,

@@ -1,12 +1,15 @@
-//! Nogoods: three points of patches that no hull that fits contains together, learned from hulls that did not fit.
+//! Nogoods: three points of patches that no hull that fits contains together, learned from hulls
+//! that did not fit.
 //!
-//! A hull is refused where a face protrudes. The corners are points of patches, and every hull that contains these
-//! three points contains the protruding point: it does not fit either, or it swallows a point that is outside the solid by
-//! more than the bound. So they are a conflict of three, where [`Patches::conflicts`] are of two. A nogood refuses a hull
-//! before anything is built: O(1) for each that the new patch is part of. The word is that of constraint solving.
+//! A hull is refused where a face protrudes. The corners are points of patches, and every hull that
+//! contains these three points contains the protruding point: it does not fit either, or it
+//! swallows a point that is outside the solid by more than the bound. So they are a conflict of
+//! three, where [`Patches::conflicts`] are of two. A nogood refuses a hull before anything is
+//! built: O(1) for each that the new patch is part of. The word is that of constraint solving.
 //!
-//! What is learned depends only on the hulls that an attempt tests. Attempts at the same time do not learn from each other:
-//! what they have learned is added in their order. So no result depends on threads.
+//! What is learned depends only on the hulls that an attempt tests. Attempts at the same time do
+//! not learn from each other: what they have learned is added in their order. So no result depends
+//! on threads.
 
 use std::collections::{HashMap, HashSet};
 
@@ -14,7 +17,8 @@ use crate::bounded::patch::{Patch, PatchSet, Patches};
 use crate::geometry::vector::Vector;
 use crate::solid::{Refusal, Solid};
 
-/// Of a patch with more nogoods, the points of a set are looked up at once. Crossing triangles teach thousands.
+/// Of a patch with more nogoods, the points of a set are looked up at once. Crossing triangles
+/// teach thousands.
 const MANY: usize = 64;
 
 /// The points of patches. Neighbours share points, so a nogood of patches would be several.
@@ -110,8 +114,8 @@ impl<'a> Nogoods<'a> {
         partners.iter().any(|&[a, b]| is_in[a as usize] && is_in[b as usize])
     }
 
-    /// Learns from a face that protrudes. A face is no nogood unless its corners are points of patches: those of a flat
-    /// hull that was thickened are not.
+    /// Learns from a face that protrudes. A face is no nogood unless its corners are points of
+    /// patches: those of a flat hull that was thickened are not.
     pub(super) fn learn(&mut self, refusal: &Refusal) {
         let Some(corners) = self.points.corners(refusal.face) else { return };
         if !self.known.insert(corners) {
@@ -282,7 +286,8 @@ mod tests {
         }
     }
 
-    /// The corners of all nogoods in the order in which they were learned, and the patches of the pieces.
+    /// The corners of all nogoods in the order in which they were learned, and the patches of the
+    /// pieces.
     #[cfg(feature = "parallel")]
     fn learned_on(threads: usize) -> (Vec<[Vector; 3]>, Vec<PatchSet>) {
         let mesh = join(&[torus(48, 24), cuboid([0.2, 0.2, -0.1], [0.5, 0.6, 0.9])]);

@@ -1,10 +1,11 @@
 //! Division and remerging.
 //!
-//! A piece whose hull does not keep the bound is halved until each part does, at last down to triangles of the
-//! source. Those do, unless a hull has to be thicker than the bound. Each halving costs a final hull. Then divided hulls join again as long as the joint
-//! hull keeps the bound, those that add the least volume first: a tenth of all meshes have divided hulls, and
-//! 7 % of those hulls can join again. O(k²) joint hulls at first for k hulls, fewer where most are far from each
-//! other, and O(k) for each join.
+//! A piece whose hull does not keep the bound is halved until each part does, at last down to
+//! triangles of the source. Those do, unless a hull has to be thicker than the bound. Each halving
+//! costs a final hull. Then divided hulls join again as long as the joint hull keeps the bound,
+//! those that add the least volume first: a tenth of all meshes have divided hulls, and 7 % of
+//! those hulls can join again. O(k²) joint hulls at first for k hulls, fewer where most are far
+//! from each other, and O(k) for each join.
 
 use super::final_hull::{FinalHull, Owned, make_hull};
 use super::hull_simplification::FinalizeContext;
@@ -74,8 +75,8 @@ impl Division<'_> {
                 self.done.push(hull);
                 continue;
             }
-            // Points in a hollow are many. If its halves had to hold them too, they would exceed the limit on
-            // vertices again, down to single triangles.
+            // Points in a hollow are many. If its halves had to hold them too, they would exceed
+            // the limit on vertices again, down to single triangles.
             let extends_over_hollow = points > 1;
             let protrudes = hull.protrusion > settings.bound.verified();
             if points > 0 && (extends_over_hollow || protrudes) {
@@ -101,7 +102,8 @@ impl Division<'_> {
         Ok(true)
     }
 
-    /// Halves a hull's patches; of a single patch its triangles. The halves contain the inner points.
+    /// Halves a hull's patches; of a single patch its triangles. The halves contain the inner
+    /// points.
     fn divide(
         &mut self,
         mut hull: FinalHull,
@@ -197,8 +199,8 @@ impl Entry {
     }
 }
 
-/// Joins hulls. They are verified from the cheapest pair on until one keeps the bound: most that are dearer lose
-/// one of their hulls before it is their turn.
+/// Joins hulls. They are verified from the cheapest pair on until one keeps the bound: most that
+/// are dearer lose one of their hulls before it is their turn.
 pub(super) fn remerge(
     context: &FinalizeContext<'_>,
     hulls: Vec<FinalHull>,
@@ -234,7 +236,8 @@ pub(super) fn remerge(
     Ok(left.map(|(_, entry)| entry.hull).collect())
 }
 
-/// Volume that the joint hull of a pair adds, as a share of its own; `None` if it has too many vertices.
+/// Volume that the joint hull of a pair adds, as a share of its own; `None` if it has too many
+/// vertices.
 fn cost(
     context: &FinalizeContext<'_>,
     entries: &[Entry],

@@ -1,5 +1,5 @@
-//! Hull simplification: as many vertices are saved as a small volume allows, and as many as the limit
-//! requires, within the bound. Physics engines pay for each vertex of a hull.
+//! Hull simplification: as many vertices are saved as a small volume allows, and as many as the
+//! limit requires, within the bound. Physics engines pay for each vertex of a hull.
 //!
 //! A hull that can hardly keep the limit is divided at once. Of another one, the first
 //! attempt that keeps the bound is taken:
@@ -29,17 +29,19 @@ use crate::solid::protrusion;
 /// thin plate hardly any vertex protrudes, and what is left can be a tetrahedron.
 const MIN_VOLUME_SHARE: f64 = 0.95;
 
-/// Where the limit cannot be kept otherwise, vertices that protrude by less than these fractions of the
-/// bound are left out: more than [`MAX_UNCOVERED`]. A hull that then leaves more than
+/// Where the limit cannot be kept otherwise, vertices that protrude by less than these fractions of
+/// the bound are left out: more than [`MAX_UNCOVERED`]. A hull that then leaves more than
 /// `MAX_UNCOVERED_UNDER_LIMIT` uncovered is refused.
 const COARSER: [f64; 2] = [0.1, 0.2];
 
-/// By these fractions of the bound a hull that was grown to the limit shrinks again. It was larger than what it must
-/// contain: one that leaves more than `MAX_UNCOVERED_UNDER_LIMIT` uncovered is refused.
+/// By these fractions of the bound a hull that was grown to the limit shrinks again. It was larger
+/// than what it must contain: one that leaves more than `MAX_UNCOVERED_UNDER_LIMIT` uncovered is
+/// refused.
 const SHRINKING: [f64; 2] = [0.2, 0.4];
 
-/// A hull of more vertices does not collapse from the full hull to keep a limit once the hull of prominent vertices
-/// has failed: collapsing is quadratic in the vertices and hardly gives another result.
+/// A hull of more vertices does not collapse from the full hull to keep a limit once the hull of
+/// prominent vertices has failed: collapsing is quadratic in the vertices and hardly gives another
+/// result.
 const MAX_COLLAPSIBLE: usize = 256;
 
 /// A hull is divided at once if it needs more than this multiple of the limit: the fewest of its

@@ -1,6 +1,6 @@
 //! Finalizing: pieces become hulls with thickness and few vertices, each verified against the
-//! source and divided where it does not keep the bound. A single triangle may not keep it where a hull must be thicker
-//! than the bound: then the report says so.
+//! source and divided where it does not keep the bound. A single triangle may not keep it where a
+//! hull must be thicker than the bound: then the report says so.
 //!
 //! Takes a cover, gives the hulls of the result. Lengths are fractions of the diagonal.
 //!
@@ -25,13 +25,11 @@ use division::{PieceHulls, hulls_of_piece, remerge};
 use final_hull::{FinalHull, FinalHulls};
 use hull_simplification::FinalizeContext;
 
-/// Volume that saving a vertex may add, as a share of the mean volume of all pieces. With it, hulls
-/// have about 27 vertices, at an intersection over union with the solid of 0.871 instead of 0.875
-/// with all vertices (means over 38 models).
+/// Volume that saving a vertex may add, as a share of the mean volume of all pieces.
 const VOLUME_PER_VERTEX: f64 = 1.2e-3;
 
-/// The cover before the last round of dissolving is tried too, where verification divides the last one into this
-/// many times as many hulls. With 1, lattices and noisy spheres of a hundred hulls have 2 % more, and others as many.
+/// The cover before the last round of dissolving is tried too, where verification divides the last
+/// one into this many times as many hulls.
 const DOUBTFUL: f64 = 1.25;
 
 /// The hulls of a cover. Of the cover before the last round of dissolving where that serves better:
