@@ -3,10 +3,11 @@
 use arbitrary::{Result, Unstructured};
 use hullwright::hull::{DEFAULT_TOLERANCE, HullBuilder, Shape};
 use hullwright::measure::{MeasureOptions, measure};
+use hullwright::openings::close_openings;
 use hullwright::surface::SurfaceParameters;
 use hullwright::{
-    Control, Error, Length, MeshView, Method, Openings, Parameters, Preset, close_openings,
-    convex_hull, mass_properties,
+    Control, Error, Length, MeshView, Method, Openings, Parameters, Preset, convex_hull,
+    mass_properties,
 };
 
 use super::independent::exact::{Faults, faults};

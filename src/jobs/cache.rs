@@ -9,10 +9,7 @@ use bevy_rapier3d::rapier::geometry::SharedShape;
 use hullwright::hulls_format::HullsFile;
 use hullwright::{ConvexHull, Hull};
 
-#[cfg(all(target_family = "wasm", target_os = "unknown"))]
-use super::database::{DiskCache, DiskState};
-#[cfg(not(all(target_family = "wasm", target_os = "unknown")))]
-use super::disk::{DiskCache, DiskState};
+use super::platform::{DiskCache, DiskState};
 use super::request::{ContentKey, MapKey, MeshData};
 use crate::tag::outcomes::HullSource;
 use crate::tag::parameters::PrimitiveKind;

@@ -2,22 +2,21 @@
 //! waits for a job.
 
 pub(super) mod baked;
+#[cfg(all(target_family = "wasm", target_os = "unknown"))]
+mod browser;
 pub(super) mod cache;
-#[cfg(all(target_family = "wasm", target_os = "unknown"))]
-mod database;
-#[cfg(all(target_family = "wasm", target_os = "unknown"))]
-mod digest;
-#[cfg(not(all(target_family = "wasm", target_os = "unknown")))]
-mod disk;
+mod elsewhere;
 mod kept;
 pub(super) mod label;
+#[cfg(not(all(target_family = "wasm", target_os = "unknown")))]
+mod native;
+mod platform;
 mod pool;
+mod progress;
 #[cfg(feature = "bake")]
 pub(super) mod recipe;
 pub(super) mod request;
 pub(super) mod task;
-#[cfg(all(target_family = "wasm", target_os = "unknown"))]
-mod worker;
 
 use std::cmp::Reverse;
 use std::collections::VecDeque;
@@ -37,12 +36,11 @@ use self::baked::{BakedDecomposition, BakedScene, FromBakedScene, HullSceneLoade
 use self::cache::{BuiltCollider, ColliderGeometry, GeometryCache};
 use self::label::{Labels, Outlines, is_for_gpu_only, note_outlines};
 use self::pool::{Pool, decomposition_threads};
+use self::progress::SharedProgress;
 #[cfg(feature = "bake")]
 use self::recipe::{HullRecipeLoader, HullRecipeProcessor};
 use self::request::{ColliderRequest, ContentKey, InputId, MapKey, read_parts};
-use self::task::{
-    DecompositionTask, SharedProgress, TaskInput, TaskOutput, TaskResult, contain_panics,
-};
+use self::task::{DecompositionTask, TaskInput, TaskOutput, TaskResult, contain_panics};
 use super::tag::outcomes::{
     DecompositionCounters, DecompositionError, DecompositionStatus, HullSource, Outcomes,
     WaitReason,
@@ -374,12 +372,8 @@ impl Jobs {
     ) {
         let progress = SharedProgress::default();
         let control = progress.control();
-        let task = DecompositionTask::new(input, request.map, self.cache.clone(), settings);
-        #[cfg(all(target_family = "wasm", target_os = "unknown"))]
-        let task = match settings.budget.execution {
-            Execution::Worker => task.in_worker(&settings.budget.worker_folder, progress.clone()),
-            _ => task,
-        };
+        let task =
+            DecompositionTask::new(input, request.map, self.cache.clone(), settings, &progress);
         let mut job = Job {
             input: request.input.clone(),
             map: request.map_key(),

@@ -5,6 +5,7 @@ use std::sync::{Arc, OnceLock};
 
 use bevy::tasks::{TaskPool, TaskPoolBuilder};
 
+use super::platform;
 use crate::tag::settings::BudgetSettings;
 
 /// More would take memory bandwidth from the game rather than end sooner.
@@ -15,18 +16,10 @@ pub(super) fn decomposition_threads(budget: &BudgetSettings) -> usize {
     // Looking it up reads files.
     static DEFAULT: OnceLock<usize> = OnceLock::new();
     match budget.threads {
-        0 => *DEFAULT.get_or_init(|| (processors() / 2).clamp(1, MOST_THREADS)),
+        0 => *DEFAULT.get_or_init(|| (platform::processors() / 2).clamp(1, MOST_THREADS)),
         threads => threads,
     }
 }
-
-#[cfg(not(all(target_family = "wasm", target_os = "unknown")))]
-fn processors() -> usize {
-    bevy::tasks::available_parallelism()
-}
-
-#[cfg(all(target_family = "wasm", target_os = "unknown"))]
-use super::worker::processors;
 
 /// The pool, made at its first use, and anew when the number of threads in the settings changes.
 /// Work that began on the old one ends there.
@@ -46,38 +39,7 @@ impl Pool {
 fn new_pool(threads: usize) -> TaskPool {
     // One more than decompositions ever take, so that what is quick does not wait for them.
     let pool = TaskPoolBuilder::new().num_threads(threads + 1).thread_name("Hullwright".into());
-    #[cfg(not(target_family = "wasm"))]
-    let pool = pool.on_thread_spawn(lower_priority);
-    pool.build()
-}
-
-/// Below normal on Windows, a niceness of about 10 on Linux: less than the game's own threads, but
-/// not only what they leave.
-#[cfg(not(target_family = "wasm"))]
-const PRIORITY: u8 = 25;
-
-#[cfg(not(target_family = "wasm"))]
-fn lower_priority() {
-    let priority = thread_priority::ThreadPriorityValue::try_from(PRIORITY);
-    let lowered = priority.is_ok_and(|priority| {
-        let priority = thread_priority::ThreadPriority::Crossplatform(priority);
-        // A game's thread may be a real-time one, among which this priority could be the higher
-        // one.
-        #[cfg(unix)]
-        return thread_priority::set_thread_priority_and_policy(
-            thread_priority::thread_native_id(),
-            priority,
-            thread_priority::ThreadSchedulePolicy::Normal(
-                thread_priority::NormalThreadSchedulePolicy::Other,
-            ),
-        )
-        .is_ok();
-        #[cfg(not(unix))]
-        return thread_priority::set_current_thread_priority(priority).is_ok();
-    });
-    if !lowered {
-        log::debug!("the threads for convex decompositions run with the priority of the game");
-    }
+    platform::with_lower_priority(pool).build()
 }
 
 #[cfg(test)]

@@ -14,6 +14,7 @@ use hullwright_formats::{read_scene_from_bytes, sum_notes};
 
 use super::baked::{BakedScene, BakedSceneSettings, HullSceneLoader, LoadHullsError};
 use super::task::contain_panics;
+use crate::tag::settings::HAS_THREADS;
 
 /// Loads `.hullrecipe` files (feature `io`): JSON that names a scene beside it, `{"scene":
 /// "level.glb", "parameters": "max_error=1%", "tagged_only": false, "triangles": false}`, the last
@@ -37,12 +38,13 @@ impl AssetLoader for HullRecipeLoader {
         let mut bytes = Vec::new();
         reader.read_to_end(&mut bytes).await?;
         // Elsewhere it is read in the background.
-        #[cfg(target_family = "wasm")]
-        log::warn!(
-            "{}: frames wait while a recipe's scene is decomposed; ship the `.hullscene` that \
-             `hullwright bake` makes",
-            context.path()
-        );
+        if !HAS_THREADS {
+            log::warn!(
+                "{}: frames wait while a recipe's scene is decomposed; ship the `.hullscene` that \
+                 `hullwright bake` makes",
+                context.path()
+            );
+        }
         Ok(BakedScene::new(bake(&bytes, context).await?))
     }
 

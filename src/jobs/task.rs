@@ -2,14 +2,13 @@
 //! step by step on the main thread.
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU32, Ordering};
 
 use bevy::asset::UntypedAssetId;
 use bevy::math::{Affine3A, DMat3, DVec3, Vec3A};
 use bevy::tasks::futures_lite::future::yield_now;
 use bevy_rapier3d::rapier::geometry::{SharedShape, TriMeshFlags};
 use bevy_rapier3d::rapier::math::{Pose, Vector};
-use hullwright::hulls_format::{HullsFile, MeshHash};
+use hullwright::hulls_format::HullsFile;
 use hullwright::{
     Control, Decomposer, Error, MassProperties, MeshView, Method, MethodReport,
     mass_properties_with,
@@ -18,15 +17,10 @@ use hullwright_rapier::ColliderError;
 
 use super::baked::BakedScene;
 use super::cache::{BuiltCollider, ColliderGeometry, GeometryCache, WorkClaim};
-#[cfg(all(target_family = "wasm", target_os = "unknown"))]
-use super::database::{self, DiskCache};
-#[cfg(all(target_family = "wasm", target_os = "unknown"))]
-use super::digest::Digest;
-#[cfg(not(all(target_family = "wasm", target_os = "unknown")))]
-use super::disk::DiskCache;
+use super::elsewhere::{Answer, Lookup};
+use super::platform::{DiskCache, Elsewhere, Hashing, Runner, look};
+use super::progress::SharedProgress;
 use super::request::{ContentKey, MapKey, MeshData};
-#[cfg(all(target_family = "wasm", target_os = "unknown"))]
-use super::worker;
 use crate::tag::outcomes::{DecompositionError, HullSource};
 use crate::tag::parameters::{Goal, PrimitiveKind};
 use crate::tag::settings::HullwrightSettings;
@@ -64,9 +58,8 @@ pub(super) enum TaskOutput {
 pub(super) struct DecompositionTask {
     /// What the first step takes.
     input: Option<TaskInput>,
-    /// Where the browser hashes the mesh that the next step takes.
-    #[cfg(all(target_family = "wasm", target_os = "unknown"))]
-    digest: Option<Digest>,
+    /// The hash of the mesh that the next step takes.
+    hashing: Hashing,
     /// What later steps go on with.
     work: Option<MeshInProgress>,
     map: Affine3A,
@@ -74,9 +67,7 @@ pub(super) struct DecompositionTask {
     memory_bytes: usize,
     disk_cache: Option<DiskCache>,
     primitives: bool,
-    /// The folder of the files for workers, if one is to do it.
-    #[cfg(all(target_family = "wasm", target_os = "unknown"))]
-    worker: Option<(String, SharedProgress)>,
+    runner: Runner,
 }
 
 struct MeshInProgress {
@@ -90,11 +81,7 @@ struct MeshInProgress {
 /// Where a mesh is decomposed.
 enum Place {
     Here(Decomposer<MethodReport>),
-    #[cfg(all(target_family = "wasm", target_os = "unknown"))]
-    InWorker(worker::Call),
-    /// Nowhere yet: it may be in the cache.
-    #[cfg(all(target_family = "wasm", target_os = "unknown"))]
-    InDatabase(database::Look),
+    Elsewhere(Elsewhere),
 }
 
 impl DecompositionTask {
@@ -103,38 +90,27 @@ impl DecompositionTask {
         map: Affine3A,
         cache: GeometryCache,
         settings: &HullwrightSettings,
+        progress: &SharedProgress,
     ) -> Self {
         let disk_cache = cache.on_disk(settings);
         let (memory_bytes, primitives) = (settings.cache.memory_bytes, settings.primitives);
         Self {
             input: Some(input),
-            #[cfg(all(target_family = "wasm", target_os = "unknown"))]
-            digest: None,
+            hashing: Hashing::new(),
             work: None,
             map,
             cache,
             memory_bytes,
             disk_cache,
             primitives,
-            #[cfg(all(target_family = "wasm", target_os = "unknown"))]
-            worker: None,
+            runner: Runner::new(&settings.budget, progress),
         }
     }
 
-    /// The same, but decomposed in a worker if there is one.
-    #[cfg(all(target_family = "wasm", target_os = "unknown"))]
-    pub(super) fn in_worker(mut self, folder: &str, progress: SharedProgress) -> Self {
-        self.worker = Some((folder.to_owned(), progress));
-        self
-    }
-
-    /// Whether a step does no more than ask.
+    /// Whether a step does no more than look for an answer.
     pub(super) fn awaits_answer(&self) -> bool {
-        #[cfg(all(target_family = "wasm", target_os = "unknown"))]
-        return self.digest.is_some()
-            || self.work.as_ref().is_some_and(|work| !matches!(work.place, Place::Here(_)));
-        #[cfg(not(all(target_family = "wasm", target_os = "unknown")))]
-        false
+        let is_elsewhere = |work: &MeshInProgress| matches!(work.place, Place::Elsewhere(_));
+        self.hashing.is_pending() || self.work.as_ref().is_some_and(is_elsewhere)
     }
 
     /// Runs to the end, and lets other tasks of the thread run between its steps.
@@ -156,7 +132,7 @@ impl DecompositionTask {
             Some(TaskInput::Geometry { key, geometry, source }) => {
                 self.build(key, geometry, source)
             }
-            Some(TaskInput::Mesh { data, goal, baked }) => match self.hash(&data) {
+            Some(TaskInput::Mesh { data, goal, baked }) => match self.hashing.hash(&data) {
                 Some(hash) => {
                     let key = ContentKey::of_mesh(hash, &goal);
                     self.start(key, data, &goal, baked, control)
@@ -168,23 +144,6 @@ impl DecompositionTask {
             },
             None => self.decompose(control),
         })
-    }
-
-    /// The hash of a mesh; `None` as long as the browser makes it.
-    #[cfg(all(target_family = "wasm", target_os = "unknown"))]
-    fn hash(&mut self, data: &MeshData) -> Option<MeshHash> {
-        if let Some(digest) = &self.digest {
-            let hash = digest.answer()?;
-            self.digest = None;
-            return Some(hash.unwrap_or_else(|| MeshHash::of(data.view())));
-        }
-        self.digest = Digest::start(data);
-        self.digest.is_none().then(|| MeshHash::of(data.view()))
-    }
-
-    #[cfg(not(all(target_family = "wasm", target_os = "unknown")))]
-    fn hash(&mut self, data: &MeshData) -> Option<MeshHash> {
-        Some(MeshHash::of(data.view()))
     }
 
     fn start(
@@ -212,17 +171,17 @@ impl DecompositionTask {
             Goal::Triangles(_) => ColliderGeometry::Triangles(data).into(),
             Goal::Primitive(kind) => ColliderGeometry::Primitive(*kind, data).into(),
             Goal::Hulls(method) => {
-                let disk_cache = self.disk_cache.as_ref();
-                #[cfg(not(all(target_family = "wasm", target_os = "unknown")))]
-                if let Some(file) = disk_cache.and_then(|cache| cache.read(key)) {
-                    return self.build(key, ColliderGeometry::of_hulls(file), HullSource::Disk);
-                }
-                #[cfg(not(all(target_family = "wasm", target_os = "unknown")))]
-                let place = self.place(&data, method, control)?;
-                #[cfg(all(target_family = "wasm", target_os = "unknown"))]
-                let place = match disk_cache.and_then(|cache| cache.look(key)) {
-                    Some(look) => Place::InDatabase(look),
-                    None => self.place(&data, method, control)?,
+                let found = self.disk_cache.as_ref().map(|cache| look(cache, key));
+                let place = match found.unwrap_or(Lookup::Missing) {
+                    Lookup::Found(file) => {
+                        return self.build(
+                            key,
+                            ColliderGeometry::of_hulls(*file),
+                            HullSource::Disk,
+                        );
+                    }
+                    Lookup::Pending(look) => Place::Elsewhere(look),
+                    Lookup::Missing => self.place(&data, method, control)?,
                 };
                 let method = method.clone();
                 self.work = Some(MeshInProgress { place, method, data, key, claim });
@@ -238,19 +197,13 @@ impl DecompositionTask {
         method: &Method,
         control: &Control,
     ) -> Result<Place, DecompositionError> {
-        #[cfg(all(target_family = "wasm", target_os = "unknown"))]
-        if let (Some((folder, progress)), Method::Bounded(parameters)) = (&self.worker, method) {
-            let parameters = parameters.to_string();
-            let progress = progress.clone();
-            let heard = move |fraction| progress.set(fraction);
-            if let Some(call) = worker::Call::start(folder, data, parameters, heard) {
-                return Ok(Place::InWorker(call));
-            }
+        if let Some(started) = self.runner.start(data, method) {
+            return Ok(Place::Elsewhere(started));
         }
         Ok(Place::Here(method.decomposer(data.view(), control)?))
     }
 
-    fn decompose(&mut self, _control: &Control) -> StepResult {
+    fn decompose(&mut self, control: &Control) -> StepResult {
         let mut work = self.work.take().ok_or(Error::Finished)?;
         let file = match &mut work.place {
             Place::Here(decomposer) => match decomposer.step()? {
@@ -261,29 +214,22 @@ impl DecompositionTask {
                     Some(HullsFile::new("", &decomposition).with_mass_properties(mass))
                 }
             },
-            #[cfg(all(target_family = "wasm", target_os = "unknown"))]
-            Place::InWorker(call) => match call.answer() {
-                worker::Answer::Pending => None,
-                worker::Answer::Hulls(file) => Some(*file),
-                worker::Answer::Trapped => return Err(DecompositionError::Panicked),
-                // An error of the method comes again here, with its type, unless the worker was
-                // short of memory. What had no worker is decomposed here.
-                worker::Answer::Refused => {
-                    work.place = Place::Here(work.method.decomposer(work.data.view(), _control)?);
-                    None
-                }
-            },
-            #[cfg(all(target_family = "wasm", target_os = "unknown"))]
-            Place::InDatabase(look) => match look.answer() {
-                database::Answer::Pending => None,
-                database::Answer::Found(file) => {
+            Place::Elsewhere(elsewhere) => match elsewhere.answer() {
+                Answer::Pending => None,
+                Answer::Made(file) => Some(*file),
+                Answer::Found(file) => {
                     let geometry = ColliderGeometry::of_hulls(*file);
                     return self.build(work.key, geometry, HullSource::Disk);
                 }
-                database::Answer::Missing => {
-                    work.place = self.place(&work.data, &work.method, _control)?;
+                Answer::Missing => {
+                    work.place = self.place(&work.data, &work.method, control)?;
                     None
                 }
+                Answer::Refused => {
+                    work.place = Place::Here(work.method.decomposer(work.data.view(), control)?);
+                    None
+                }
+                Answer::Trapped => return Err(DecompositionError::Panicked),
             },
         };
         let Some(file) = file else {
@@ -439,30 +385,6 @@ pub(crate) fn contain_panics<T>(
         .unwrap_or(Err(DecompositionError::Panicked))
 }
 
-/// A share of the work that another thread can read.
-#[derive(Debug, Clone, Default)]
-pub(super) struct SharedProgress(Arc<AtomicU32>);
-
-impl SharedProgress {
-    /// A control that reports here. One thread per job: several run at once, and the game needs
-    /// threads too.
-    pub(super) fn control(&self) -> Control {
-        let cell = self.0.clone();
-        Control::new().with_parallel(false).with_progress(move |progress| {
-            cell.store(progress.fraction.to_bits(), Ordering::Relaxed)
-        })
-    }
-
-    #[cfg(all(target_family = "wasm", target_os = "unknown"))]
-    pub(super) fn set(&self, fraction: f32) {
-        self.0.store(fraction.to_bits(), Ordering::Relaxed);
-    }
-
-    pub(super) fn get(&self) -> f32 {
-        f32::from_bits(self.0.load(Ordering::Relaxed))
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use bevy::tasks::block_on;
@@ -477,7 +399,13 @@ mod tests {
         let data = MeshData { positions, triangles };
         let input = TaskInput::Mesh { data, goal: Goal::Hulls(Method::default()), baked: None };
         let cache = GeometryCache::default();
-        let task = DecompositionTask::new(input, Affine3A::IDENTITY, cache, &default());
+        let task = DecompositionTask::new(
+            input,
+            Affine3A::IDENTITY,
+            cache,
+            &default(),
+            &SharedProgress::default(),
+        );
         (task, Control::new().with_progress(|_| panic!("on purpose, in a test")))
     }
 

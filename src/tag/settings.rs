@@ -5,6 +5,9 @@ use std::time::Duration;
 
 use bevy::prelude::*;
 
+/// Whether the platform has threads. In browsers, work goes to workers or is done in slices.
+pub(crate) const HAS_THREADS: bool = cfg!(not(target_family = "wasm"));
+
 /// The plugin's settings; may be changed at any time.
 ///
 /// ```
@@ -163,7 +166,7 @@ impl Execution {
     /// What it is on this platform.
     pub(crate) fn here(self) -> Self {
         match self {
-            Self::Worker if cfg!(not(target_family = "wasm")) => Self::Background,
+            Self::Worker if HAS_THREADS => Self::Background,
             Self::Worker if cfg!(not(target_os = "unknown")) => Self::Slices,
             other => other,
         }
@@ -211,13 +214,12 @@ impl Default for HullwrightSettings {
 
 impl Default for BudgetSettings {
     fn default() -> Self {
-        let has_threads = !cfg!(target_family = "wasm");
         Self {
-            execution: if has_threads { Execution::Background } else { Execution::Worker },
+            execution: if HAS_THREADS { Execution::Background } else { Execution::Worker },
             worker_folder: "hullwright".into(),
             threads: 0,
             max_jobs: 0,
-            frame_time: if has_threads { DEFAULT_FRAME_TIME } else { FRAME_TIME_WITHOUT_THREADS },
+            frame_time: if HAS_THREADS { DEFAULT_FRAME_TIME } else { FRAME_TIME_WITHOUT_THREADS },
             max_attached_per_frame: DEFAULT_MAX_ATTACHED,
         }
     }

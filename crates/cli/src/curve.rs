@@ -2,7 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use hullwright::{CurvePoint, Error, MergeTree};
+use hullwright::merge_tree::CurvePoint;
+use hullwright::{Error, MergeTree};
 use hullwright_cli::terminal::{Failure, print, print_json};
 use hullwright_formats::write_file;
 use plotters::prelude::*;

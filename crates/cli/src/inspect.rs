@@ -31,7 +31,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     let parameters = arguments.solid.parameters()?;
     let file = waiting("reading", || read_mesh(path))?;
-    let found = waiting("inspecting", || hullwright::inspect_with(&file, &parameters))
+    let found = waiting("inspecting", || hullwright::inspect::inspect_with(&file, &parameters))
         .map_err(|error| format!("{}: {error}", path.display()))?;
     let objects = count(file.objects.len(), "object", "objects");
     let mut lines = vec![format!("{}: {objects}", path.display())];

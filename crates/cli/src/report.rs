@@ -4,8 +4,9 @@
 use std::path::Path;
 
 use comfy_table::{CellAlignment, Table, presets};
+use hullwright::merge_tree::CurvePoint;
 use hullwright::surface::{ResolutionOutcome, SurfaceReport, ThresholdOutcome};
-use hullwright::{CurvePoint, Decomposition, Hull, MethodReport, ProbeReport, Report};
+use hullwright::{Decomposition, Hull, MethodReport, ProbeReport, Report};
 use hullwright_cli::terminal::time;
 use hullwright_formats::Note;
 use serde_json::{Map, Value, json};

@@ -62,7 +62,7 @@ impl Inspection {
 /// #     vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
 /// #     vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
 /// # );
-/// let found = hullwright::inspect(&mesh)?;
+/// let found = hullwright::inspect::inspect(&mesh)?;
 /// assert!(found.is_closed());
 /// assert_eq!((found.triangles, found.components), (4, 1));
 /// # Ok::<(), hullwright::Error>(())

@@ -43,7 +43,7 @@
 //! | the same | the paper's own hulls; the one hull of all points; the choice as one value | [`surface::decompose`](surface::decompose()); [`single_hull()`]; [`Method`] |
 //! | a decomposition, or hulls of any tool | fewer hulls | [`MergeTree`] |
 //! | a mesh and hulls of any tool | their errors | [`measure::measure`]; point by point [`measure::MeasuredMesh`] |
-//! | a mesh | mass, centre and inertia; a report on its defects | [`mass_properties()`]; [`inspect()`] |
+//! | a mesh | mass, centre and inertia; a report on its defects | [`mass_properties()`]; [`inspect`] |
 //! | hulls | a file that games load | [`hulls_format`]; `hullwright_formats::bake` for a scene |
 //! | a mesh, Rapier or Bevy | a collider with the mesh's mass | the crates `hullwright_rapier`, `bevy_hullwright` |
 //! | a mesh and hulls | a picture, a page to look at them | the command `hullwright view`, or its crate `hullwright-cli` |
@@ -111,13 +111,13 @@ mod error;
 mod geometry;
 pub mod hull;
 pub mod hulls_format;
-mod inspect;
+pub mod inspect;
 mod mass;
 pub mod measure;
-mod merge_tree;
+pub mod merge_tree;
 mod mesh;
 mod method;
-mod openings;
+pub mod openings;
 mod parallel;
 mod parameters;
 mod probe;
@@ -136,15 +136,13 @@ pub use decomposition::{
 };
 pub use error::{Error, FileError};
 pub use geometry::{Bounds, Coordinate, MeshView, Sidedness, TriangleMesh};
-pub use hull::{ConvexHull, SinglePrecisionHull, convex_hull};
-pub use inspect::{Inspection, inspect, inspect_with};
+pub use hull::{ConvexHull, convex_hull};
 #[cfg(feature = "nalgebra")]
 pub use mass::PrincipalInertia;
 pub use mass::{MassProperties, MassSource, mass_properties, mass_properties_with};
-pub use merge_tree::{CurvePoint, Join, MergeTree};
+pub use merge_tree::MergeTree;
 pub use mesh::Repairs;
 pub use method::{Method, MethodReport, single_hull};
-pub use openings::{ClosedMesh, Opening, OpeningOutcome, close_openings};
 pub use parameters::{Length, Openings, Parameters, ParseError, Preset, UpAxis};
 
 /// The examples of the README run.

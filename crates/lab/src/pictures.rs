@@ -8,9 +8,10 @@ mod cases;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
+use hullwright::openings::close_openings;
 use hullwright::{
     Control, Decomposition, Error, Hull, Length, MeshView, Openings, Parameters, TriangleMesh,
-    close_openings, decompose,
+    decompose,
 };
 use hullwright_formats::{palette, read_mesh};
 

@@ -3,7 +3,8 @@
 
 use std::path::PathBuf;
 
-use hullwright::{Control, Length, Parameters, close_openings, decompose};
+use hullwright::openings::close_openings;
+use hullwright::{Control, Length, Parameters, decompose};
 
 use crate::independent::oracle::{Convex, Triangle};
 use crate::independent::paths::deepest_entry;

@@ -140,7 +140,7 @@ fn spread(mut figures: Vec<f64>) -> [f64; 3] {
 fn load(name: &'static str) -> Model {
     let path = format!("{}/../../assets/{name}.glb", env!("CARGO_MANIFEST_DIR"));
     let mut mesh = read_mesh(path).expect("a bundled model").mesh;
-    let factor = SIZE / hullwright::inspect(&mesh).expect("a sound mesh").diagonal;
+    let factor = SIZE / hullwright::inspect::inspect(&mesh).expect("a sound mesh").diagonal;
     mesh.positions.iter_mut().flatten().for_each(|x| *x *= factor);
     let properties = mass_properties(&mesh, &[], DENSITY).expect("a sound mesh");
     Model { name, mesh, properties }

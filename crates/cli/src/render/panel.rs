@@ -1,6 +1,7 @@
 //! What is seen: parts of one colour, in panels.
 
-use hullwright::{ClosedMesh, MeshView, TriangleMesh, UpAxis};
+use hullwright::openings::ClosedMesh;
+use hullwright::{MeshView, TriangleMesh, UpAxis};
 use hullwright_formats::palette::{self, Colour};
 
 use crate::Vector;

@@ -8,7 +8,7 @@ use base64::engine::general_purpose::STANDARD;
 use flate2::Compression;
 use flate2::write::ZlibEncoder;
 use hullwright::measure::FilledSurface;
-use hullwright::{ClosedMesh, Opening};
+use hullwright::openings::{ClosedMesh, Opening};
 use hullwright_formats::Object;
 use hullwright_formats::palette::{BALL, CAP, CLAY, Colour, FILLED, colour};
 use serde::Serialize;

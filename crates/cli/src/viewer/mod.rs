@@ -60,7 +60,7 @@ impl<'a> Page<'a> {
     /// reach is shown too.
     ///
     /// # Errors
-    /// As [`close_openings`](hullwright::close_openings).
+    /// As [`close_openings`](hullwright::openings::close_openings).
     pub fn new(
         title: impl Into<String>,
         mesh: impl Into<MeshView<'a>>,

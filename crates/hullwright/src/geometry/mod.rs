@@ -1,6 +1,7 @@
 //! Boxes, coordinates, vectors, and triangle meshes: one that is borrowed, which every function
 //! takes, and one that is owned.
 
+pub(crate) mod blocks;
 pub mod vector;
 
 use vector::{Vector, as_vectors, six_volumes};

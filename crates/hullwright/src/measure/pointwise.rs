@@ -96,11 +96,11 @@ pub struct MeasuredMesh {
 }
 
 impl MeasuredMesh {
-    /// Repairs a mesh and closes its openings, as [`close_openings`](crate::close_openings). O(n
+    /// Repairs a mesh and closes its openings, as [`close_openings`](crate::openings::close_openings). O(n
     /// log n).
     ///
     /// # Errors
-    /// As [`close_openings`](crate::close_openings).
+    /// As [`close_openings`](crate::openings::close_openings).
     pub fn new<'a>(
         mesh: impl Into<MeshView<'a>>,
         parameters: &Parameters,

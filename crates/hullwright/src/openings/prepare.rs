@@ -240,7 +240,7 @@ pub struct ClosedMesh {
 /// parameters. Almost linear time.
 ///
 /// # Errors
-/// As [`inspect`](crate::inspect()), and [`Error::Cancelled`].
+/// As [`inspect`](crate::inspect::inspect()), and [`Error::Cancelled`].
 ///
 /// ```
 /// use hullwright::{Control, MeshView, Parameters, close_openings};

@@ -3,23 +3,20 @@
 //! A sample is filled when it is first needed, with a value that depends on its place alone. So
 //! threads may fill it at the same time.
 
-use std::sync::OnceLock;
 use std::sync::atomic::{AtomicU32, Ordering};
 
+use crate::geometry::blocks::{Blocks, size_for};
 use crate::geometry::vector::Vector;
 
 /// Samples at most. Where they are not enough they are farther apart, and decide less.
 const MAX_SAMPLES: f64 = 8_000_000.0;
 
-/// Factor by which they move apart until they are few enough.
-const GROWTH: f64 = 1.05;
-
 /// Samples beyond the box on each side: hulls may be a little outside.
 const MARGIN: f64 = 2.0;
 
-/// Samples of a block along each axis: blocks are allocated whole.
+/// Samples of a block along each axis.
 const BLOCK: usize = 8;
-const SAMPLES: usize = BLOCK * BLOCK * BLOCK;
+const SAMPLES: usize = Blocks::<(), BLOCK>::CELLS;
 
 /// The bits of a value that is not computed yet.
 const UNKNOWN: u32 = u32::MAX;
@@ -31,10 +28,7 @@ pub(super) struct Field {
     origin: Vector,
     /// Distance between samples along an axis.
     pub spacing: f64,
-    dimensions: [usize; 3],
-    /// Blocks along the first two axes.
-    stride: [usize; 2],
-    blocks: Vec<OnceLock<Box<Block>>>,
+    blocks: Blocks<Block, BLOCK>,
 }
 
 /// The sample nearest to a point.
@@ -46,19 +40,13 @@ pub(super) struct Sample<'a> {
 
 impl Field {
     /// Samples over a box and a bit around it, so far apart along each axis, or farther.
-    pub fn new((min, max): (Vector, Vector), mut spacing: f64) -> Self {
+    pub fn new((min, max): (Vector, Vector), spacing: f64) -> Self {
         let margin = Vector::splat(MARGIN * spacing);
         let extent = max - min + margin * 2.0;
         let count = |spacing: f64| (extent / spacing + 1.0).ceil();
-        while count(spacing).element_product() > MAX_SAMPLES {
-            spacing *= GROWTH;
-        }
+        let spacing = size_for(spacing, MAX_SAMPLES, count);
         let dimensions = count(spacing).to_array().map(|count| count as usize);
-        let [x, y, z] = dimensions.map(|samples| samples.div_ceil(BLOCK));
-        let mut blocks = Vec::new();
-        blocks.resize_with(x * y * z, OnceLock::new);
-        let origin = min - margin;
-        Self { origin, spacing, dimensions, stride: [x, y], blocks }
+        Self { origin: min - margin, spacing, blocks: Blocks::new(dimensions) }
     }
 
     /// The sample nearest to a point; `None` outside the box.
@@ -72,12 +60,10 @@ impl Field {
     }
 
     fn at(&self, place: [usize; 3]) -> Option<Sample<'_>> {
-        if (0..3).any(|axis| place[axis] >= self.dimensions[axis]) {
+        if !self.blocks.contains(place) {
             return None;
         }
-        let [i, j, k] = place.map(|x| x / BLOCK);
-        let block = self.blocks.get((k * self.stride[1] + j) * self.stride[0] + i)?;
-        let block = block.get_or_init(|| Box::new([const { AtomicU32::new(UNKNOWN) }; SAMPLES]));
+        let block = self.blocks.block(place, || [const { AtomicU32::new(UNKNOWN) }; SAMPLES]);
         let point = self.origin + Vector::from_array(place.map(|x| x as f64)) * self.spacing;
         Some(Sample { point, block, place })
     }
@@ -85,8 +71,7 @@ impl Field {
 
 impl Sample<'_> {
     fn bits(&self) -> Option<&AtomicU32> {
-        let [i, j, k] = self.place.map(|x| x % BLOCK);
-        self.block.get((k * BLOCK + j) * BLOCK + i)
+        self.block.get(Blocks::<Block, BLOCK>::index_in_block(self.place))
     }
 
     fn known(&self) -> Option<f64> {

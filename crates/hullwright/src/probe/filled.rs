@@ -14,6 +14,7 @@ use crate::bvh::Bvh;
 use crate::control::Control;
 use crate::error::Error;
 use crate::geometry::TriangleMesh;
+use crate::geometry::blocks::size_for;
 use crate::geometry::vector::Vector;
 use crate::parallel;
 
@@ -27,9 +28,6 @@ const LARGEST_CELL: f64 = 0.0125;
 /// Samples at most. Where they are not enough, cells are larger. They take a second or two on one
 /// thread.
 const MAX_SAMPLES: f64 = 200_000.0;
-
-/// Factor by which cells grow until they are few enough.
-const GROWTH: f64 = 1.05;
 
 /// Cells beyond the mesh's box on each side: nothing outside it is filled.
 const MARGIN: f64 = 2.0;
@@ -64,11 +62,9 @@ pub struct FilledSurface {
 /// [`Error::Cancelled`].
 pub(crate) fn filled(probe: &Probe, tree: &Bvh, control: &Control) -> Result<FilledSurface, Error> {
     let (min, max) = probe.bounds;
-    let mut cell = LARGEST_CELL.min(probe.radius / CELLS_PER_RADIUS);
     let count = |cell: f64| ((max - min) / cell).ceil() + Vector::splat(2.0 * MARGIN + 1.0);
-    while count(cell).element_product() > MAX_SAMPLES {
-        cell *= GROWTH;
-    }
+    let finest = LARGEST_CELL.min(probe.radius / CELLS_PER_RADIUS);
+    let cell = size_for(finest, MAX_SAMPLES, count);
     let origin = (min + max - (count(cell) - 1.0) * cell) * 0.5;
     let [width, height, depth] = count(cell).to_array().map(|count| count as u32);
     let probe = probe.coarser(LEAST_HALF * cell);

@@ -13,6 +13,7 @@
 use crate::bvh::Bvh;
 use crate::control::Control;
 use crate::error::Error;
+use crate::geometry::blocks::size_for;
 use crate::geometry::vector::Vector;
 use crate::mesh::Normalization;
 use crate::parallel;
@@ -24,9 +25,6 @@ const CELLS_PER_RADIUS: f64 = 2.0;
 /// Maximum number of cells. Where it is not enough they are larger, and less is known to be out of
 /// reach.
 const MAX_CELLS: f64 = 1_000_000.0;
-
-/// Factor by which cells grow until they are few enough.
-const GROWTH: f64 = 1.05;
 
 /// Cells along each axis beyond the radius around the mesh: the grid's border can be reached from
 /// far away.
@@ -124,10 +122,7 @@ impl Reach {
     ) -> Result<Self, Error> {
         let extent = max - min + Vector::splat(2.0 * radius);
         let count = |size: f64| (extent / size).ceil() + Vector::splat(2.0 * BORDER);
-        let mut size = radius / CELLS_PER_RADIUS;
-        while count(size).element_product() > MAX_CELLS {
-            size *= GROWTH;
-        }
+        let size = size_for(radius / CELLS_PER_RADIUS, MAX_CELLS, count);
         let origin = (min + max - count(size) * size) * 0.5;
         let dimensions = count(size).to_array().map(|count| count as usize);
         let mut reach = Self { origin, size, dimensions, cells: Vec::new() };

@@ -19,6 +19,7 @@ use std::sync::{Arc, OnceLock};
 use super::boundary::Slope;
 use super::surface::{OPEN_INSIDE, Side, Surface, Winding};
 use crate::bvh::closest_point::EXACT;
+use crate::geometry::blocks::{Blocks, size_for};
 use crate::geometry::vector::{Vector, bounds, larger, smaller};
 use crate::parallel;
 use crate::work;
@@ -26,9 +27,6 @@ use crate::work;
 /// Maximum number of cells. At a bound of 2 % a hundred thousand are enough. At 0.5 % a grid of
 /// 200,000 cells leaves so many queries to the tree that the search takes three times as long.
 const MAX_CELLS: f64 = 1_500_000.0;
-
-/// Factor by which cells grow until they are few enough: fine steps keep the grid near its limit.
-const GROWTH: f64 = 1.05;
 
 /// Minimum extent of the box along an axis, as a fraction of the diagonal: a flat mesh has none
 /// along one.
@@ -58,11 +56,11 @@ const LEAST_DEPTH: f64 = 0.1;
 /// rounding and the expansion's error.
 const MOST_CHANGE: f64 = 0.45;
 
-/// Cells of a block along each axis, as a power of two: blocks are allocated whole, and a face
-/// passes through several cells of one.
+/// Cells of a block along each axis, as a power of two: a face passes through several cells of a
+/// block.
 const BLOCK_BITS: usize = 2;
 const BLOCK: usize = 1 << BLOCK_BITS;
-const CELLS: usize = BLOCK * BLOCK * BLOCK;
+const CELLS: usize = Blocks::<(), BLOCK>::CELLS;
 
 /// A value that is not computed yet, as bits of single precision or of a count of turns.
 const UNKNOWN: u32 = u32::MAX;
@@ -168,10 +166,7 @@ pub(super) struct Grid {
     /// Side of a cell.
     size: f32,
     inverse_size: f32,
-    dimensions: Place,
-    blocks: Vec<OnceLock<Box<Block>>>,
-    /// Blocks along the first two axes.
-    stride: [usize; 2],
+    blocks: Blocks<Block, BLOCK>,
 }
 
 /// A ball around a point: all of it is on the same side, and no surface is in it.
@@ -186,20 +181,14 @@ impl Grid {
     pub fn new(surface: Arc<Surface>, positions: &[Vector], bound: f64) -> Self {
         let (min, max) = bounds(positions.iter().copied());
         let extent = [0, 1, 2].map(|k| (max[k] - min[k]).max(MIN_EXTENT));
-        let mut size = bound / 3f64.sqrt();
-        let count = |size: f64| extent.iter().map(|e| (e / size).ceil() + BORDER).product::<f64>();
-        while count(size) > MAX_CELLS {
-            size *= GROWTH;
-        }
+        let count = |size: f64| Vector::from(extent.map(|e| (e / size).ceil() + BORDER));
+        let size = size_for(bound / 3f64.sqrt(), MAX_CELLS, count);
         let dimensions = extent.map(|e| (e / size).ceil() as usize + BORDER as usize);
         let origin = Vector::from_array(
             [0, 1, 2].map(|k| 0.5 * (min[k] + max[k]) - 0.5 * size * dimensions[k] as f64),
         );
-        let [x, y, z] = dimensions.map(|cells| cells.div_ceil(BLOCK));
-        let mut blocks = Vec::new();
-        blocks.resize_with(x * y * z, OnceLock::new);
         let (size, inverse_size) = (size as f32, (1.0 / size) as f32);
-        Self { surface, origin, size, inverse_size, dimensions, blocks, stride: [x, y] }
+        Self { surface, origin, size, inverse_size, blocks: Blocks::new(dimensions) }
     }
 
     /// A point in its cell, or in the nearest one, with bounds on its distance from the surface.
@@ -238,7 +227,7 @@ impl Grid {
     /// For each cell whether the surface is farther from its centre than `bound` and than the sides
     /// of the cell. Fills few more cells than those near the limit. O(cells).
     pub fn free_cells(&self, bound: f64) -> Vec<bool> {
-        let [width, height, depth] = self.dimensions;
+        let [width, height, depth] = self.blocks.dimensions;
         let limit = (bound as f32).max(FREE_OF_SIDES * self.size);
         let layers = parallel::map_indices(depth, |z| {
             let cells = (0..height).flat_map(|y| (0..width).map(move |x| [x, y, z]));
@@ -265,7 +254,7 @@ impl Grid {
 
     /// The cells that share a side with a cell, by their indices; `None` beyond the border.
     pub fn neighbours(&self, index: usize) -> [Option<usize>; 6] {
-        let [width, height, depth] = self.dimensions;
+        let [width, height, depth] = self.blocks.dimensions;
         let [x, y, z] = self.place_of(index);
         let layer = width * height;
         [
@@ -284,7 +273,7 @@ impl Grid {
     }
 
     fn place_of(&self, index: usize) -> Place {
-        let [x, y, _] = self.dimensions;
+        let [x, y, _] = self.blocks.dimensions;
         [index % x, index / x % y, index / (x * y)]
     }
 
@@ -292,7 +281,7 @@ impl Grid {
     fn place(&self, point: Vector) -> (Relative, Place) {
         let relative = (point - self.origin).as_vec3();
         let place = (relative * self.inverse_size).to_array().map(|x| x as usize);
-        let place = [0, 1, 2].map(|k| place[k].min(self.dimensions[k] - 1));
+        let place = [0, 1, 2].map(|k| place[k].min(self.blocks.dimensions[k] - 1));
         (relative, place)
     }
 
@@ -314,30 +303,15 @@ impl Grid {
     }
 
     #[inline]
-    fn block_index(&self, place: Place) -> usize {
-        let [width, depth] = self.stride;
-        let [i, j, k] = place.map(|place| place >> BLOCK_BITS);
-        (k * depth + j) * width + i
-    }
-
-    #[inline]
     fn block_of(&self, place: Place) -> &Block {
-        self.blocks[self.block_index(place)].get_or_init(|| Box::new(Block::empty()))
-    }
-
-    /// The block of a cell, if both exist.
-    fn known_block(&self, place: Place) -> Option<&Block> {
-        if (0..3).any(|axis| place[axis] >= self.dimensions[axis]) {
-            return None;
-        }
-        self.blocks.get(self.block_index(place))?.get().map(Box::as_ref)
+        self.blocks.block(place, Block::empty)
     }
 
     /// A cell, filled.
     #[inline]
     fn cell(&self, place: Place) -> &Cell {
         let block = self.block_of(place);
-        let cell = &block.cells[index_in_block(place)];
+        let cell = &block.cells[Blocks::<Block, BLOCK>::index_in_block(place)];
         if cell.distance.load(Ordering::Acquire) == EMPTY {
             self.fill(cell, place, &block.triangle);
         }
@@ -443,8 +417,10 @@ impl Grid {
             let centre = self.absolute(self.centre(place));
             let is_inside = self.side_of_another(place, distance);
             let is_inside = is_inside.unwrap_or_else(|| self.surface.side(centre) == Side::Inside);
-            if let Some(block) = self.known_block(place) {
-                block.sided.store(index_in_block(place) as u32, Ordering::Relaxed);
+            if let Some(block) = self.blocks.known(place) {
+                block
+                    .sided
+                    .store(Blocks::<Block, BLOCK>::index_in_block(place) as u32, Ordering::Relaxed);
             }
             if is_inside { distance } else { OUTSIDE }
         } else if self.is_inside(cell, place) {
@@ -478,7 +454,7 @@ impl Grid {
         (0..7).filter_map(move |side| {
             let mut other = place;
             if side == 6 {
-                let index = self.known_block(place)?.sided.load(Ordering::Relaxed) as usize;
+                let index = self.blocks.known(place)?.sided.load(Ordering::Relaxed) as usize;
                 if index >= CELLS {
                     return None;
                 }
@@ -499,7 +475,7 @@ impl Grid {
 
     /// A cell, if it exists and its block does.
     fn known_cell(&self, place: Place) -> Option<&Cell> {
-        self.known_block(place)?.cells.get(index_in_block(place))
+        self.blocks.known(place)?.cells.get(Blocks::<Block, BLOCK>::index_in_block(place))
     }
 
     fn winding_of<'a>(&self, block: &'a Block, centre: Relative) -> &'a BlockWinding {
@@ -551,8 +527,10 @@ impl Grid {
             (number - known.number).round() as i32
         });
         cell.turns.store(turns.cast_unsigned(), Ordering::Relaxed);
-        if let Some(block) = self.known_block(place) {
-            block.sided.store(index_in_block(place) as u32, Ordering::Relaxed);
+        if let Some(block) = self.blocks.known(place) {
+            block
+                .sided
+                .store(Blocks::<Block, BLOCK>::index_in_block(place) as u32, Ordering::Relaxed);
         }
         Some(turns)
     }
@@ -580,20 +558,13 @@ impl Grid {
             if centre == own_centre {
                 return Some(turns);
             }
-            let other_known = self.winding_of(self.known_block(other)?, centre);
+            let other_known = self.winding_of(self.blocks.known(other)?, centre);
             let way = f64::from(self.centre(place).distance(centre));
             let difference = other_known.number + f64::from(turns) - known.number;
             (other_known.slope.change(way) + change <= MOST_CHANGE)
                 .then(|| difference.round() as i32)
         })
     }
-}
-
-/// The index of a cell in its block.
-#[inline]
-fn index_in_block([x, y, z]: Place) -> usize {
-    let [i, j, k] = [x, y, z].map(|place| place & (BLOCK - 1));
-    (k << BLOCK_BITS | j) << BLOCK_BITS | i
 }
 
 /// A point in its cell. See [`Grid::locate`].

@@ -2,7 +2,8 @@
 
 use std::time::Instant;
 
-use hullwright::{Control, Parameters, Preset, close_openings, decompose};
+use hullwright::openings::close_openings;
+use hullwright::{Control, Parameters, Preset, decompose};
 
 use crate::common::{self, Mesh, run, view};
 use crate::independent::exact::{Faults, faults};

@@ -1,9 +1,10 @@
 //! A solid whose faces are all there both ways round has the hulls of the same solid with each face
 //! once. What is open on purpose stays a sheet.
 
+use hullwright::inspect::{inspect, inspect_with};
+use hullwright::openings::{OpeningOutcome, close_openings};
 use hullwright::{
-    Control, Decomposition, MassSource, MergeTree, OpeningOutcome, Openings, Parameters,
-    close_openings, inspect, inspect_with, mass_properties,
+    Control, Decomposition, MassSource, MergeTree, Openings, Parameters, mass_properties,
 };
 
 use crate::common::{

@@ -69,18 +69,20 @@ fn code(text: &str) -> Vec<(&str, &str)> {
 }
 
 /// What is wrong with tests that a part of a document names: files that are not there, tests that
-/// are not in them. Files are below `tests`, unless they are sources; those of the command below
-/// its own.
+/// are not in them. Files are below the `tests` of a package, unless they are sources.
 fn missing_tests(text: &str) -> Vec<String> {
     let mut missing = Vec::new();
     let mut file = None;
     for (_, code) in code(text) {
         if code.ends_with(".rs") {
-            let is_source = code.starts_with("src/") || code.starts_with("fuzz/");
+            let is_source = code.contains("/src/") || code.starts_with("fuzz/");
             let folder = match code.split('/').next() {
                 _ if is_source => "",
                 Some("cli") => "crates/cli/tests",
-                _ => "tests",
+                Some("io") => "crates/formats/tests",
+                Some("physics") => "crates/rapier/tests",
+                Some("bevy") => "tests",
+                _ => "crates/hullwright/tests",
             };
             let path = Path::new(ROOT).join(folder).join(code);
             match std::fs::read_to_string(path) {
@@ -226,11 +228,11 @@ fn constant<'a>(source: &'a str, name: &str) -> Option<&'a str> {
 /// they are.
 const CONSTANTS: [(&str, &[(&str, &str)]); 16] = [
     (
-        "src/parameters.rs",
+        "crates/hullwright/src/parameters.rs",
         &[("2 % of the diagonal", "DEFAULT_MAX_ERROR"), ("64 vertices", "DEFAULT_MAX_VERTICES")],
     ),
     (
-        "src/bounded/settings.rs",
+        "crates/hullwright/src/bounded/settings.rs",
         &[
             ("0.001 ε", "EXACT_SHARE"),
             ("0.02 ε", "OF_FEW.coarse"),
@@ -248,19 +250,31 @@ const CONSTANTS: [(&str, &[(&str, &str)]); 16] = [
             ("0.35 times the square root", "FAST.patch_size"),
         ],
     ),
-    ("src/solid/surface.rs", &[("0.52", "OPEN_INSIDE")]),
-    ("src/solid/grid.rs", &[("1.5 million cells", "MAX_CELLS")]),
-    ("src/solid/solid.rs", &[("2,400 triangles", "COARSE")]),
-    ("src/bounded/patch_mesh.rs", &[("within about 0.1 ε", "CRACK")]),
-    ("src/bounded/facets.rs", &[("deeper than 1.5 ε", "LEAST_DEPTH"), ("48 planes", "MAX_PLANES")]),
-    ("src/solid/fit.rs", &[("0.4 times as large", "LENIENCE"), ("radius below 0.35 ε", "SMALL")]),
-    ("src/bounded/cover/grow.rs", &[("until 8 in turn", "MAX_REFUSED_IN_TURN")]),
-    ("src/bounded/cover/mod.rs", &[("2,000 points", "POINTS")]),
-    ("src/hull/convex_hull.rs", &[("0.001 times their diagonal", "MINIMUM_THICKNESS")]),
-    ("src/bounded/finalize/mod.rs", &[("1.25 times as many", "DOUBTFUL")]),
-    ("src/bounded/limit.rs", &[("4 searches", "SEARCHES"), ("0.85 times", "NEXT_BOUND")]),
+    ("crates/hullwright/src/solid/surface.rs", &[("0.52", "OPEN_INSIDE")]),
+    ("crates/hullwright/src/solid/grid.rs", &[("1.5 million cells", "MAX_CELLS")]),
+    ("crates/hullwright/src/solid/solid.rs", &[("2,400 triangles", "COARSE")]),
+    ("crates/hullwright/src/bounded/patch_mesh.rs", &[("within about 0.1 ε", "CRACK")]),
     (
-        "src/solid/protrusion.rs",
+        "crates/hullwright/src/bounded/facets.rs",
+        &[("deeper than 1.5 ε", "LEAST_DEPTH"), ("48 planes", "MAX_PLANES")],
+    ),
+    (
+        "crates/hullwright/src/solid/fit.rs",
+        &[("0.4 times as large", "LENIENCE"), ("radius below 0.35 ε", "SMALL")],
+    ),
+    ("crates/hullwright/src/bounded/cover/grow.rs", &[("until 8 in turn", "MAX_REFUSED_IN_TURN")]),
+    ("crates/hullwright/src/bounded/cover/mod.rs", &[("2,000 points", "POINTS")]),
+    (
+        "crates/hullwright/src/hull/convex_hull.rs",
+        &[("0.001 times their diagonal", "MINIMUM_THICKNESS")],
+    ),
+    ("crates/hullwright/src/bounded/finalize/mod.rs", &[("1.25 times as many", "DOUBTFUL")]),
+    (
+        "crates/hullwright/src/bounded/limit.rs",
+        &[("4 searches", "SEARCHES"), ("0.85 times", "NEXT_BOUND")],
+    ),
+    (
+        "crates/hullwright/src/solid/protrusion.rs",
         &[
             ("the resolution: 4 % of ε", "RESOLUTION"),
             ("0.5 % of ε", "FINE_RESOLUTION"),
@@ -269,8 +283,8 @@ const CONSTANTS: [(&str, &[(&str, &str)]); 16] = [
             ("200,000 parts", "MAX_PARTS"),
         ],
     ),
-    ("src/solid/boundary.rs", &[("72 such edges", "FEW_EDGES")]),
-    ("src/bounded/uncovered.rs", &[("up to 8 times", "MAX_DIVISIONS")]),
+    ("crates/hullwright/src/solid/boundary.rs", &[("72 such edges", "FEW_EDGES")]),
+    ("crates/hullwright/src/bounded/uncovered.rs", &[("up to 8 times", "MAX_DIVISIONS")]),
 ];
 
 #[test]

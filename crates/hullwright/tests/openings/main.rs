@@ -8,10 +8,11 @@ mod cases;
 mod common;
 
 use hullwright::measure::{MeasureOptions, measure};
+use hullwright::openings::{ClosedMesh, OpeningOutcome, close_openings};
 use hullwright::surface::{self, SurfaceParameters};
 use hullwright::{
-    ClosedMesh, Control, Decomposition, MassSource, OpeningOutcome, Openings, Parameters,
-    TriangleMesh, UpAxis, close_openings, decompose, mass_properties,
+    Control, Decomposition, MassSource, Openings, Parameters, TriangleMesh, UpAxis, decompose,
+    mass_properties,
 };
 
 use cases::*;

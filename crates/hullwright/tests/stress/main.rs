@@ -22,7 +22,8 @@ mod range;
 mod thin;
 mod topology;
 
-use hullwright::{Control, Decomposition, Error, MeshView, Parameters, close_openings, decompose};
+use hullwright::openings::close_openings;
+use hullwright::{Control, Decomposition, Error, MeshView, Parameters, decompose};
 
 use common::Mesh;
 use independent::exact::{Faults, faults};

@@ -1,6 +1,7 @@
 //! Promises about the bundled models.
 
-use hullwright::{Inspection, Repairs, inspect};
+use hullwright::Repairs;
+use hullwright::inspect::{Inspection, inspect};
 use hullwright_formats::{Format, read_mesh_from_bytes};
 
 use super::shape::Shape;

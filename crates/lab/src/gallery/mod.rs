@@ -6,9 +6,8 @@ mod shapes;
 use std::path::{Path, PathBuf};
 
 use hullwright::measure::{MeasureOptions, Measurement, measure};
-use hullwright::{
-    ALGORITHM_VERSION, Control, Hull, MeshView, Parameters, TriangleMesh, close_openings, decompose,
-};
+use hullwright::openings::close_openings;
+use hullwright::{ALGORITHM_VERSION, Control, Hull, MeshView, Parameters, TriangleMesh, decompose};
 use hullwright_cli::viewer::hulls_of;
 use hullwright_formats::read_mesh;
 

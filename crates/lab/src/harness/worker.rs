@@ -6,10 +6,11 @@ use std::time::Instant;
 
 use cpu_time::ProcessTime;
 use hullwright::measure::{MeasureOptions, measure};
+use hullwright::openings::close_openings;
 use hullwright::surface::average_cost;
 use hullwright::{
     Control, Decomposition, Error, Hull, Length, MeshView, Method, MethodReport, Parameters,
-    TriangleMesh, close_openings,
+    TriangleMesh,
 };
 use hullwright_formats::{NamedMesh, read_hulls, read_mesh};
 use serde::{Deserialize, Serialize};

@@ -17,8 +17,8 @@ use js_sys::{Array, Date, Reflect, Uint8Array};
 use wasm_bindgen::prelude::{Closure, JsCast, JsValue};
 use web_sys::{IdbDatabase, IdbObjectStore, IdbRequest, IdbTransaction, IdbTransactionMode};
 
-use super::kept::{is_usable, kept, unseen};
-use super::request::ContentKey;
+use crate::jobs::kept::{is_usable, kept, unseen};
+use crate::jobs::request::ContentKey;
 
 /// The stores of the database, both by the name of a result: its bytes, and how many they are and
 /// when they were used last, which can be looked at without reading the bytes.
@@ -30,18 +30,18 @@ const PATIENCE: Duration = Duration::from_secs(10);
 
 /// What the process knows is known to the thread of the game.
 #[derive(Debug, Default)]
-pub(super) struct DiskState;
+pub(in crate::jobs) struct DiskState;
 
 /// A database of results, the least recently used of which are removed.
 #[derive(Debug, Clone)]
-pub(super) struct DiskCache {
+pub(in crate::jobs) struct DiskCache {
     name: String,
     budget: u64,
 }
 
 /// A look-up of one result.
 #[derive(Debug)]
-pub(super) struct Look(u64);
+pub(in crate::jobs) struct Look(u64);
 
 /// What has become of a look-up.
 pub(super) enum Answer {
@@ -78,7 +78,7 @@ thread_local! {
 }
 
 impl DiskCache {
-    pub(super) fn new(directory: PathBuf, budget: u64, _state: Arc<DiskState>) -> Self {
+    pub(in crate::jobs) fn new(directory: PathBuf, budget: u64, _state: Arc<DiskState>) -> Self {
         Self { name: directory.to_string_lossy().into_owned(), budget }
     }
 
@@ -105,7 +105,7 @@ impl DiskCache {
     }
 
     /// Keeps a result. The decomposition succeeded, whether or not this does.
-    pub(super) fn write(&self, key: ContentKey, file: &HullsFile) {
+    pub(in crate::jobs) fn write(&self, key: ContentKey, file: &HullsFile) {
         let (Some(name), Ok(bytes)) = (key.name(), file.to_bytes()) else { return };
         DATABASE.with_borrow_mut(|database| {
             let State::Open(open) = &database.state else { return };

@@ -16,7 +16,7 @@ use js_sys::{
 use wasm_bindgen::prelude::{Closure, JsCast, JsValue};
 use web_sys::{MessageEvent, Response};
 
-use super::request::MeshData;
+use crate::jobs::request::MeshData;
 
 /// The files of the npm package that a game ships.
 const FILES: [&str; 2] = ["worker-core.js", "hullwright-core.wasm"];
@@ -31,7 +31,7 @@ const IDLE: Duration = Duration::from_secs(5);
 
 /// A decomposition in a worker. Dropped before it is done, it ends the worker.
 #[derive(Debug)]
-pub(super) struct Call(u64);
+pub(in crate::jobs) struct Call(u64);
 
 /// What has become of a call.
 pub(super) enum Answer {
@@ -104,7 +104,7 @@ thread_local! {
 }
 
 /// Processors, as the browser says.
-pub(super) fn processors() -> usize {
+pub(in crate::jobs) fn processors() -> usize {
     web_sys::window().map_or(1, |window| window.navigator().hardware_concurrency() as usize)
 }
 

@@ -11,12 +11,12 @@ use std::time::{Duration, SystemTime};
 use hullwright::hulls_format::HullsFile;
 use hullwright_formats::write_file;
 
-use super::kept::{is_usable, kept, unseen};
-use super::request::ContentKey;
+use crate::jobs::kept::{is_usable, kept, unseen};
+use crate::jobs::request::ContentKey;
 
 /// A directory with files of results, the least recently used of which are removed.
 #[derive(Debug, Clone)]
-pub(super) struct DiskCache {
+pub(in crate::jobs) struct DiskCache {
     directory: PathBuf,
     budget: u64,
     state: Arc<DiskState>,
@@ -24,7 +24,7 @@ pub(super) struct DiskCache {
 
 /// What this process knows of the directory.
 #[derive(Debug, Default)]
-pub(super) struct DiskState {
+pub(in crate::jobs) struct DiskState {
     /// Bytes that may be written before the directory is looked at again. The first file that is
     /// written looks at what earlier runs left.
     unseen: AtomicI64,
@@ -39,7 +39,7 @@ const ABANDONED: Duration = Duration::from_secs(3600);
 const TEMPORARY: &str = ".hullwright-";
 
 impl DiskCache {
-    pub(super) fn new(directory: PathBuf, budget: u64, state: Arc<DiskState>) -> Self {
+    pub(in crate::jobs) fn new(directory: PathBuf, budget: u64, state: Arc<DiskState>) -> Self {
         Self { directory, budget, state }
     }
 
@@ -60,7 +60,7 @@ impl DiskCache {
     }
 
     /// The first file that can't be written is logged: the decomposition succeeded all the same.
-    pub(super) fn write(&self, key: ContentKey, file: &HullsFile) {
+    pub(in crate::jobs) fn write(&self, key: ContentKey, file: &HullsFile) {
         let Some(path) = self.path_of(key) else { return };
         let written = std::fs::create_dir_all(&self.directory)
             .map_err(|error| error.to_string())

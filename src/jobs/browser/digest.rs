@@ -7,8 +7,8 @@ use hullwright::hulls_format::MeshHash;
 use js_sys::Uint8Array;
 use wasm_bindgen::prelude::{Closure, JsValue};
 
-use super::request::MeshData;
 use super::worker::then;
+use crate::jobs::request::MeshData;
 
 /// A mesh of fewer triangles is hashed at once: it takes less than a quarter of a millisecond.
 const LEAST_TRIANGLES: usize = 2000;
