@@ -5,7 +5,7 @@ use hullwright::{Control, Length, Parameters, decompose, mass_properties};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mesh = hullwright_formats::read_mesh("mug.glb")?;
-    let parameters = Parameters::default().max_error(Length::share(0.02)).max_hulls(32);
+    let parameters = Parameters::default().with_max_error(Length::share(0.02)).with_max_hulls(32);
     let made = decompose(&mesh, &parameters, &Control::new())?;
     // `hull.shape` has points and triangles. For Rapier: a compound, with the mass of the mesh at
     // 500 kg per m³.

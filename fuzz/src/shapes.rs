@@ -85,10 +85,10 @@ fn try_soup(bytes: &mut Unstructured<'_>) -> Result<usize> {
 fn method(bytes: &mut Unstructured<'_>) -> Result<Method> {
     let is_paper = bytes.ratio(1, 16)?;
     let mut parameters = Parameters::default()
-        .preset(*bytes.choose(&[Preset::Balanced, Preset::Fast, Preset::Fine])?)
-        .max_error(Length::Share(*bytes.choose(&[0.02, 0.01, 0.05, 0.2])?))
-        .openings(*bytes.choose(&[Openings::Auto, Openings::Keep, Openings::Close])?)
-        .keep_cavities(bytes.ratio(1, 4)?);
+        .with_preset(*bytes.choose(&[Preset::Balanced, Preset::Fast, Preset::Fine])?)
+        .with_max_error(Length::Share(*bytes.choose(&[0.02, 0.01, 0.05, 0.2])?))
+        .with_openings(*bytes.choose(&[Openings::Auto, Openings::Keep, Openings::Close])?)
+        .with_keep_cavities(bytes.ratio(1, 4)?);
     if bytes.ratio(1, 4)? {
         parameters.max_hulls = Some(bytes.int_in_range(1..=4)?);
     }

@@ -172,9 +172,12 @@ mod tests {
         let text = r#" {"scene": "level.glb", "parameters": "max_error=1%", "tagged_only": true,
             "triangles": true}"#;
         let recipe = read(text.as_bytes()).unwrap();
-        let parameters = Parameters::default().max_error(Length::share(0.01));
+        let parameters = Parameters::default().with_max_error(Length::share(0.01));
         assert_eq!(recipe.scene, "level.glb");
-        assert_eq!(recipe.options, BakeOptions::new(parameters).tagged_only(true).triangles(true));
+        assert_eq!(
+            recipe.options,
+            BakeOptions::new(parameters).with_tagged_only(true).with_triangles(true)
+        );
         assert_eq!(read(br#"{"scene": "a.glb"}"#).unwrap().options, BakeOptions::default());
     }
 

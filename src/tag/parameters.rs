@@ -130,13 +130,13 @@ impl ConvexDecomposition {
 
     fn flat_parameters(&self) -> Parameters {
         Parameters::default()
-            .max_error(self.max_error.into())
-            .preset(self.preset)
-            .max_hulls(self.max_hulls.map(|limit| limit as usize))
-            .max_vertices(self.max_vertices.map(|limit| limit as usize))
-            .keep_cavities(self.keep_cavities)
-            .openings(self.openings)
-            .probe_radius(self.probe_radius.map(metres))
+            .with_max_error(self.max_error.into())
+            .with_preset(self.preset)
+            .with_max_hulls(self.max_hulls.map(|limit| limit as usize))
+            .with_max_vertices(self.max_vertices.map(|limit| limit as usize))
+            .with_keep_cavities(self.keep_cavities)
+            .with_openings(self.openings)
+            .with_probe_radius(self.probe_radius.map(metres))
     }
 }
 
@@ -201,13 +201,13 @@ mod tests {
             .with_openings(Openings::Keep)
             .with_probe_radius(0.1);
         let expected = Parameters::default()
-            .max_error(Length::share(0.013))
-            .preset(Preset::Fine)
-            .max_hulls(7)
-            .max_vertices(20)
-            .keep_cavities(true)
-            .openings(Openings::Keep)
-            .probe_radius(Length::units(0.1));
+            .with_max_error(Length::share(0.013))
+            .with_preset(Preset::Fine)
+            .with_max_hulls(7)
+            .with_max_vertices(20)
+            .with_keep_cavities(true)
+            .with_openings(Openings::Keep)
+            .with_probe_radius(Length::units(0.1));
         assert_eq!(tag.to_parameters(), expected.into());
         let metres = tag.with_max_error(MaxError::Metres(0.1)).flat_parameters();
         assert_eq!(metres.max_error, Length::units(0.1));

@@ -88,7 +88,7 @@ fn a_scene_starts_from_its_baked_file_without_a_decomposition_and_with_the_same_
 #[test]
 fn what_was_baked_with_other_settings_is_decomposed_and_the_log_says_so() {
     Log::install();
-    let fine = BakeOptions::new(Parameters::default().max_error(Length::share(0.013)));
+    let fine = BakeOptions::new(Parameters::default().with_max_error(Length::share(0.013)));
     let baked = bake(&bundled("lamp.glb"), &fine).to_bytes().unwrap();
     let place = place(&bundled("lamp.glb"), &baked);
     let (app, report) = load(&place, ConvexDecompositionHierarchy::default());
@@ -259,7 +259,7 @@ fn what_never_moves_and_is_on_the_gpu_only_has_its_triangles_from_the_baked_file
         sizes
     };
     for name in ["lamp.glb", "chair.glb"] {
-        let options = BakeOptions::default().triangles(true);
+        let options = BakeOptions::default().with_triangles(true);
         let triangles = bake_triangles(&read_scene(bundled(name)).unwrap(), &options);
         let with = baked_as_scene(name).with_triangles(triangles).to_bytes().unwrap();
         let place = place(&bundled(name), &with);

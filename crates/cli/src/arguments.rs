@@ -199,7 +199,7 @@ impl Chosen {
 
     /// The solid as the method sees it. Errors are shown against the bound, whatever the method.
     pub fn solid(&self) -> Parameters {
-        self.method.solid().max_error(self.parameters.max_error)
+        self.method.solid().with_max_error(self.parameters.max_error)
     }
 }
 
@@ -411,7 +411,7 @@ mod tests {
         assert_eq!(method("--paper"), SurfaceParameters::paper().into());
         assert_eq!(method("--method surface"), SurfaceParameters::default().into());
         assert_eq!(method("--method hull"), Method::Hull(Parameters::default()));
-        let bounded = Parameters::default().max_vertices(None);
+        let bounded = Parameters::default().with_max_vertices(None);
         assert_eq!(method("--paper --method bounded"), bounded.into());
     }
 
@@ -424,15 +424,15 @@ mod tests {
              --concavity-cost-threshold 0.1 --resolution-cut-off 7 --unit 44.6% \
              --significant-diagonal 20% --max-vertices none";
         let parameters = Parameters::default()
-            .max_error(Length::Share(0.05))
-            .max_hulls(3)
-            .preset(Preset::Fine)
-            .max_vertices(None)
-            .keep_cavities(true)
-            .openings(Openings::Keep)
-            .up_axis(UpAxis::Z)
-            .probe_radius(Length::Share(0.06))
-            .probe_from([[1.0, -2.0, 0.5]]);
+            .with_max_error(Length::Share(0.05))
+            .with_max_hulls(3)
+            .with_preset(Preset::Fine)
+            .with_max_vertices(None)
+            .with_keep_cavities(true)
+            .with_openings(Openings::Keep)
+            .with_up_axis(UpAxis::Z)
+            .with_probe_radius(Length::Share(0.06))
+            .with_probe_from([[1.0, -2.0, 0.5]]);
         let mut surface = SurfaceParameters::paper();
         surface.simplification_quality = 0.5;
         surface.maximum_resolutions = vec![100, 200];

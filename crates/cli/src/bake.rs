@@ -166,8 +166,8 @@ fn bake_scenes(
     results: &mut Results,
 ) -> Result<(), Failure> {
     let options = BakeOptions::new(method.clone())
-        .tagged_only(arguments.tagged_only)
-        .triangles(arguments.triangles);
+        .with_tagged_only(arguments.tagged_only)
+        .with_triangles(arguments.triangles);
     let scenes = scenes(arguments, inputs, &options, results)?;
     let pool = arguments.threads.pool()?;
     let bar = LateBar::start();

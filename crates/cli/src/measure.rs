@@ -44,7 +44,8 @@ pub struct Arguments {
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let solid = arguments.solid.parameters()?;
-    let solid = solid.probe_radius(arguments.probe_radius).probe_from(&arguments.probe_from[..]);
+    let solid =
+        solid.with_probe_radius(arguments.probe_radius).with_probe_from(&arguments.probe_from[..]);
     solid.validate().map_err(|error| Failure::Usage(error.to_string()))?;
     let mesh = read_with_warnings(&arguments.mesh)?;
     let hulls = waiting("reading", || read_hulls(&arguments.hulls))?;

@@ -63,14 +63,14 @@ impl BakeOptions {
 
     /// The same for tagged meshes only, or for all.
     #[must_use]
-    pub fn tagged_only(mut self, tagged_only: bool) -> Self {
+    pub fn with_tagged_only(mut self, tagged_only: bool) -> Self {
         self.tagged_only = tagged_only;
         self
     }
 
     /// The same with or without triangles.
     #[must_use]
-    pub fn triangles(mut self, triangles: bool) -> Self {
+    pub fn with_triangles(mut self, triangles: bool) -> Self {
         self.triangles = triangles;
         self
     }

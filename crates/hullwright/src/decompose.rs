@@ -52,7 +52,7 @@ use crate::stages::{FINISH, FINISHED, LIMIT, PREPARED, SEARCHED, Stages, nth};
 /// let positions = [[0.0_f32, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 /// let triangles = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
 /// let mesh = MeshView::new(&positions, &triangles);
-/// let parameters = Parameters::default().max_error(Length::share(0.01)).max_hulls(32);
+/// let parameters = Parameters::default().with_max_error(Length::share(0.01)).with_max_hulls(32);
 /// let result = decompose(mesh, &parameters, &Control::new())?;
 /// assert_eq!(result.hulls.len(), 1);
 /// # Ok(())

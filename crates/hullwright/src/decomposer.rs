@@ -41,6 +41,12 @@ pub struct Decomposer<R = Report> {
 
 type Work<R> = dyn Future<Output = Result<Decomposition<R>, Error>> + Send + Sync;
 
+impl<R> std::fmt::Debug for Decomposer<R> {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        formatter.debug_struct("Decomposer").finish_non_exhaustive()
+    }
+}
+
 impl<R> Decomposer<R> {
     pub(crate) fn of(
         work: impl Future<Output = Result<Decomposition<R>, Error>> + Send + Sync + 'static,

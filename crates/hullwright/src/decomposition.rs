@@ -13,6 +13,7 @@ pub const ALGORITHM_VERSION: u32 = 28;
 /// A hull of any tool becomes one with `Hull::from`; it has no provenance, and no errors are known.
 #[non_exhaustive]
 #[derive(Debug, Clone, PartialEq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Hull {
     /// Vertices and triangles, in the input's units.
     pub shape: ConvexHull,
@@ -25,6 +26,7 @@ pub struct Hull {
 /// What of the source mesh a hull stands for.
 #[non_exhaustive]
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Provenance {
     /// The connected component of the input that the hull belongs to.
     pub component: u32,
@@ -66,6 +68,7 @@ impl<'a> From<&'a Hull> for MeshView<'a> {
 /// The simplified, refined or cut mesh that was grouped, in the input's units.
 #[non_exhaustive]
 #[derive(Debug, Clone, PartialEq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct GroupedMesh {
     /// Vertices.
     pub positions: Vec<[f64; 3]>,
@@ -95,6 +98,7 @@ pub struct GroupedMesh {
 /// ```
 #[non_exhaustive]
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Decomposition<R = Report> {
     /// The convex pieces.
     pub hulls: Vec<Hull>,

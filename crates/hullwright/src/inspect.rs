@@ -158,7 +158,7 @@ mod tests {
         assert_eq!((found.components, found.closed_components), (3, 2));
         assert!(!found.is_closed());
         assert_eq!(found.repairs.open_edges, 3);
-        let keep = Parameters::default().openings(Openings::Keep);
+        let keep = Parameters::default().with_openings(Openings::Keep);
         assert_eq!(inspect_with(&hemisphere(8), &keep).unwrap().volume, 0.0);
         let closed = inspect_mesh(&hemisphere(8));
         assert!(closed.volume > 1.5, "without its flat side it is a solid");

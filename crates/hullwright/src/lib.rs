@@ -21,7 +21,7 @@
 //! }));
 //!
 //! let mesh = MeshView::new(&positions, &triangles);
-//! let parameters = Parameters::default().max_error(Length::share(0.02));
+//! let parameters = Parameters::default().with_max_error(Length::share(0.02));
 //! let result = decompose(mesh, &parameters, &Control::new())?;
 //! assert_eq!(result.hulls.len(), 2);
 //!

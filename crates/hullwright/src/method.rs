@@ -30,7 +30,7 @@ use crate::surface::{self, SurfaceParameters, SurfaceReport};
 /// use hullwright::surface::SurfaceParameters;
 /// use hullwright::{Method, Parameters};
 ///
-/// let method = Method::from(Parameters::default().max_hulls(32));
+/// let method = Method::from(Parameters::default().with_max_hulls(32));
 /// assert_eq!(method.to_string(), "max_hulls=32");
 /// assert_eq!("max_hulls=32".parse(), Ok(method));
 /// let paper = Method::from(SurfaceParameters::paper());
@@ -51,6 +51,7 @@ pub enum Method {
 
 /// What a method reports of its own.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum MethodReport {
     /// Of the default method.
     Bounded(Report),
@@ -92,9 +93,9 @@ impl Method {
         match self {
             Self::Bounded(parameters) | Self::Hull(parameters) => parameters.clone(),
             Self::Surface(parameters) => Parameters::default()
-                .openings(Openings::Keep)
-                .keep_cavities(true)
-                .max_vertices(parameters.max_vertices),
+                .with_openings(Openings::Keep)
+                .with_keep_cavities(true)
+                .with_max_vertices(parameters.max_vertices),
         }
     }
 
@@ -160,7 +161,7 @@ impl Method {
     pub fn bounded_parameters(&self) -> Parameters {
         match self {
             Self::Bounded(parameters) | Self::Hull(parameters) => parameters.clone(),
-            Self::Surface(surface) => Parameters::default().max_vertices(surface.max_vertices),
+            Self::Surface(surface) => Parameters::default().with_max_vertices(surface.max_vertices),
         }
     }
 
@@ -415,11 +416,11 @@ mod tests {
     #[test]
     fn text_goes_both_ways() {
         let bounded = Parameters::default()
-            .max_error(Length::units(0.01))
-            .preset(Preset::Fine)
-            .max_hulls(3)
-            .max_vertices(None)
-            .keep_cavities(true);
+            .with_max_error(Length::units(0.01))
+            .with_preset(Preset::Fine)
+            .with_max_hulls(3)
+            .with_max_vertices(None)
+            .with_keep_cavities(true);
         let mut surface = SurfaceParameters::paper();
         surface.planar_thresholds = vec![0.25];
         for method in
@@ -460,7 +461,7 @@ mod tests {
             ..SurfaceParameters::default()
         };
         assert_eq!(TEXTS[7].parse(), Ok(Method::Surface(surface)));
-        let hull = Parameters::default().max_vertices(16).openings(Openings::Keep);
+        let hull = Parameters::default().with_max_vertices(16).with_openings(Openings::Keep);
         assert_eq!(TEXTS[10].parse(), Ok(Method::Hull(hull)));
     }
 
@@ -499,9 +500,11 @@ mod tests {
             Parameters { preset: Preset::Fast, ..Parameters::default() },
             Parameters { max_hulls: Some(0), ..Parameters::default() },
             Parameters { keep_cavities: true, ..Parameters::default() },
-            Parameters::default().probe_radius(Length::units(0.1)),
-            Parameters::default().probe_radius(Length::share(0.1)),
-            Parameters::default().probe_radius(Length::share(0.1)).probe_from(vec![[0.0; 3]]),
+            Parameters::default().with_probe_radius(Length::units(0.1)),
+            Parameters::default().with_probe_radius(Length::share(0.1)),
+            Parameters::default()
+                .with_probe_radius(Length::share(0.1))
+                .with_probe_from(vec![[0.0; 3]]),
             Parameters { max_vertices: None, ..Parameters::default() },
         ];
         let surface = SurfaceParameters::default;

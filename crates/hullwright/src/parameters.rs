@@ -22,7 +22,7 @@ use crate::error::Error;
 /// ```
 /// use hullwright::{Length, Parameters};
 ///
-/// let parameters = Parameters::default().max_error(Length::share(0.01)).max_hulls(32);
+/// let parameters = Parameters::default().with_max_error(Length::share(0.01)).with_max_hulls(32);
 /// assert_eq!(parameters.max_hulls, Some(32));
 /// // As text they are the values that differ from the default, separated by spaces.
 /// assert_eq!(parameters.to_string(), "max_error=1% max_hulls=32");
@@ -116,12 +116,12 @@ impl Default for Parameters {
 
 /// The setters of fields, by which parameters are written as one expression.
 macro_rules! setters {
-    ($($field:ident: $type:ty),+) => {
+    ($($setter:ident($field:ident: $type:ty);)+) => {
         impl Parameters {
             $(
                 #[doc = concat!("Sets [`", stringify!($field), "`](Self::", stringify!($field), ").")]
                 #[must_use]
-                pub fn $field(mut self, $field: $type) -> Self {
+                pub fn $setter(mut self, $field: $type) -> Self {
                     self.$field = $field.into();
                     self
                 }
@@ -130,17 +130,17 @@ macro_rules! setters {
     };
 }
 
-setters!(
-    max_error: Length,
-    preset: Preset,
-    max_hulls: impl Into<Option<usize>>,
-    max_vertices: impl Into<Option<usize>>,
-    keep_cavities: bool,
-    openings: Openings,
-    up_axis: UpAxis,
-    probe_radius: impl Into<Option<Length>>,
-    probe_from: impl Into<Vec<[f64; 3]>>
-);
+setters! {
+    with_max_error(max_error: Length);
+    with_preset(preset: Preset);
+    with_max_hulls(max_hulls: impl Into<Option<usize>>);
+    with_max_vertices(max_vertices: impl Into<Option<usize>>);
+    with_keep_cavities(keep_cavities: bool);
+    with_openings(openings: Openings);
+    with_up_axis(up_axis: UpAxis);
+    with_probe_radius(probe_radius: impl Into<Option<Length>>);
+    with_probe_from(probe_from: impl Into<Vec<[f64; 3]>>);
+}
 
 impl Parameters {
     /// Checks every value.

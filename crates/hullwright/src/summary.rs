@@ -557,7 +557,7 @@ mod tests {
         assert_eq!(kept.exceeded_bound(), None);
         assert_eq!(HullsFile::new("apart", &kept).exceeded_bound(), None);
 
-        let limited = decompose(&mesh, &Parameters::default().max_hulls(1), &control).unwrap();
+        let limited = decompose(&mesh, &Parameters::default().with_max_hulls(1), &control).unwrap();
         let line = limited.exceeded_bound().unwrap();
         assert!(line.ends_with("above the bound: the limit on hulls forces it"), "{line}");
         assert!(limited.to_string().lines().any(|other| other == line));

@@ -38,7 +38,8 @@ mod tests {
 
     /// What a decomposition of a mesh takes on one thread.
     fn work(mesh: &TriangleMesh, bound: f64, preset: Preset) -> u64 {
-        let parameters = Parameters::default().max_error(Length::share(bound)).preset(preset);
+        let parameters =
+            Parameters::default().with_max_error(Length::share(bound)).with_preset(preset);
         DONE.set(0);
         let control = Control::new().with_parallel(false);
         decompose(MeshView::from(mesh), &parameters, &control).unwrap();

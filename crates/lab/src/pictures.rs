@@ -116,7 +116,7 @@ pub fn write(
 fn openings(mesh: &TriangleMesh, apart: f64) -> Result<([Panel; 3], [usize; 2]), Error> {
     let (auto, control) = (Parameters::default(), Control::new());
     let closed = close_openings(mesh, &auto, &control)?;
-    let keep = auto.clone().openings(Openings::Keep);
+    let keep = auto.clone().with_openings(Openings::Keep);
     let [kept, auto] = [decompose(mesh, &keep, &control)?, decompose(mesh, &auto, &control)?];
     let panels = [
         Panel::closed_mesh(&closed),
@@ -198,7 +198,7 @@ fn under_bounds(
 ) -> Result<Vec<Vec<Hull>>, Failure> {
     let mut all = Vec::new();
     for bound in bounds {
-        let parameters = Parameters::default().max_error(bound);
+        let parameters = Parameters::default().with_max_error(bound);
         let hulls = decompose(mesh, &parameters, &Control::new())?.hulls;
         print(&format!("{name} within {bound}: {} hulls", hulls.len()))?;
         all.push(hulls);
@@ -257,7 +257,7 @@ fn probe(output: &Path, mesh: &Path) -> Result<(), Failure> {
     let mesh = read_mesh(mesh)?.mesh;
     let mut panels = vec![Panel::mesh(&mesh)];
     for radius in [None, Some(0.03), Some(0.06), Some(0.12)] {
-        let parameters = Parameters::default().probe_radius(radius.map(Length::share));
+        let parameters = Parameters::default().with_probe_radius(radius.map(Length::share));
         let hulls = decompose(&mesh, &parameters, &Control::new())?.hulls;
         print(&format!("{parameters}: {} hulls", hulls.len()))?;
         panels.push(Panel::hulls(&hulls));

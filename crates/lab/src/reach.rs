@@ -36,7 +36,8 @@ const ROUNDING: f64 = 1e-6;
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let &Arguments { ref folders, probe_radius, steps } = arguments;
-    let (parameters, control) = (Parameters::default().probe_radius(probe_radius), Control::new());
+    let (parameters, control) =
+        (Parameters::default().with_probe_radius(probe_radius), Control::new());
     let (mut kept, mut failed, mut open) = (0, 0, 0);
     for mesh in meshes::find(folders)? {
         let Ok(file) = hullwright_formats::read_mesh(&mesh.path) else { continue };

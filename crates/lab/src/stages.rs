@@ -29,7 +29,7 @@ pub struct Arguments {
 const RUNS: usize = 3;
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let parameters = Parameters::default().preset(arguments.preset);
+    let parameters = Parameters::default().with_preset(arguments.preset);
     let control = Control::new().with_parallel(false);
     if arguments.once {
         for path in &arguments.meshes {

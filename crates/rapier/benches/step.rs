@@ -73,8 +73,8 @@ fn heap(names: &[&'static str], with_triangles: bool) {
     let models: Vec<Model> = names.iter().map(|name| load(name)).collect();
     let peers = VHACD_RESOLUTIONS.map(|resolution| vhacd(&models, resolution));
     let default = vec![Parameters::default(); models.len()];
-    let probe = vec![Parameters::default().probe_radius(PROBE); models.len()];
-    let at_error = |&error: &f64| Parameters::default().max_error(Length::share(error));
+    let probe = vec![Parameters::default().with_probe_radius(PROBE); models.len()];
+    let at_error = |&error: &f64| Parameters::default().with_max_error(Length::share(error));
     let at_errors: Vec<Parameters> = peers[0].errors.iter().map(at_error).collect();
     let mut kinds = vec![
         ours("ours", &models, &default, false),

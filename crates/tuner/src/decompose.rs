@@ -60,13 +60,13 @@ impl Settings {
     /// As the library takes them.
     pub fn parameters(&self) -> Parameters {
         Parameters::default()
-            .max_error(Length::share(self.bound / 100.0))
-            .preset(self.preset)
-            .openings(self.openings)
-            .max_hulls(self.max_hulls)
-            .keep_cavities(self.keep_cavities)
-            .max_vertices(self.max_vertices)
-            .probe_radius((self.probe > 0.0).then(|| Length::share(self.probe / 100.0)))
+            .with_max_error(Length::share(self.bound / 100.0))
+            .with_preset(self.preset)
+            .with_openings(self.openings)
+            .with_max_hulls(self.max_hulls)
+            .with_keep_cavities(self.keep_cavities)
+            .with_max_vertices(self.max_vertices)
+            .with_probe_radius((self.probe > 0.0).then(|| Length::share(self.probe / 100.0)))
     }
 
     /// The probe's radius on the stage, in metres.

@@ -30,7 +30,7 @@ impl ColliderKind {
             Self::ConvexHull => {
                 let Parameters { max_vertices, openings, .. } = base.bounded_parameters();
                 Some(Method::Hull(
-                    Parameters::default().max_vertices(max_vertices).openings(openings),
+                    Parameters::default().with_max_vertices(max_vertices).with_openings(openings),
                 ))
             }
             Self::Triangles | Self::Cuboid | Self::Ball | Self::Capsule => None,

@@ -16,6 +16,7 @@
 
 use super::cuts::{CutMesh, cut};
 use super::settings::Settings;
+use crate::geometry::plane::Plane;
 use crate::geometry::vector::{Vector, area_normal};
 use crate::mesh::TriangleMesh;
 use crate::mesh::adjacency::{Adjacency, NO_NEIGHBOUR};
@@ -145,26 +146,12 @@ pub(super) fn components(
     components
 }
 
-/// A plane: points p with normal · p = offset.
-#[derive(Debug, Clone, Copy)]
-struct GroupPlane {
-    normal: Vector,
-    offset: f64,
-}
-
-impl GroupPlane {
-    #[inline]
-    fn height(&self, point: Vector) -> f64 {
-        self.normal.dot(point) - self.offset
-    }
-}
-
 /// Groups, and their planes.
 struct PlanarGroups {
     /// For each triangle its group.
     labels: Vec<u32>,
     /// For each group its plane, with the normal outward.
-    planes: Vec<GroupPlane>,
+    planes: Vec<Plane>,
     /// For each group its vertices.
     vertices: Vec<Vec<u32>>,
     /// Vertices this near to a plane are in it.
@@ -194,7 +181,7 @@ fn planar_groups(mesh: &TriangleMesh, adjacency: &Adjacency, flatness: f64) -> P
         let label = groups.planes.len() as u32;
         let normal = normals[start as usize] * (1.0 / areas[start as usize].max(f64::MIN_POSITIVE));
         let [a, ..] = corners(start as usize);
-        let plane = GroupPlane { normal, offset: normal.dot(a) };
+        let plane = Plane { normal, offset: normal.dot(a) };
         let mut vertices = Vec::new();
         groups.labels[start as usize] = label;
         stack.push(start);

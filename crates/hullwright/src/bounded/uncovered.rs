@@ -10,6 +10,7 @@ use crate::bvh::Bvh;
 use crate::bvh::closest_point::closest_point_on_triangle;
 use crate::control::Control;
 use crate::error::Error;
+use crate::geometry::plane::Plane;
 use crate::geometry::vector::{Vector, bounds, larger, smaller};
 use crate::hull::ConvexHull;
 use crate::mesh::TriangleMesh;
@@ -21,15 +22,14 @@ const ROUNDING: f64 = 1e-9;
 /// The plane of a face.
 #[derive(Clone, Copy)]
 struct FacePlane {
-    normal: Vector,
-    offset: f64,
+    plane: Plane,
     face: u32,
 }
 
 impl FacePlane {
     #[inline]
     fn height(&self, point: Vector) -> f64 {
-        self.normal.dot(point) - self.offset
+        self.plane.height(point)
     }
 }
 
@@ -46,7 +46,7 @@ pub(crate) struct HullDistance<'a> {
 impl<'a> HullDistance<'a> {
     pub(crate) fn new(hull: &'a ConvexHull) -> Self {
         let planes = (0..).zip(hull.face_planes());
-        let planes = planes.map(|(face, (normal, offset))| FacePlane { normal, offset, face });
+        let planes = planes.map(|(face, plane)| FacePlane { plane, face });
         let (min, max) = bounds(hull.points().iter().copied());
         Self { hull, planes: planes.collect(), corners: [min, max], bvh: OnceLock::new() }
     }

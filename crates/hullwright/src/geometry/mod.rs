@@ -2,6 +2,7 @@
 //! takes, and one that is owned.
 
 pub(crate) mod blocks;
+pub(crate) mod plane;
 pub mod vector;
 
 use vector::{Vector, as_vectors, six_volumes};
@@ -178,6 +179,7 @@ impl<'a> MeshView<'a> {
 
 /// A mesh that is owned: vertices in double precision, and triangles that index them.
 #[derive(Debug, Clone, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct TriangleMesh {
     /// Vertices, in any unit.
     pub positions: Vec<[f64; 3]>,

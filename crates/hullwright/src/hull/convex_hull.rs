@@ -13,6 +13,7 @@ use super::growing_hull::{DEFAULT_TOLERANCE, HullBuilder};
 use super::quickhull::Shape;
 use crate::bvh::closest_point::closest_point_on_triangle;
 use crate::error::Error;
+use crate::geometry::plane::Plane;
 use crate::geometry::vector::{
     Vector, area_normal, as_arrays, as_vectors, bounds, diagonal, larger, smaller,
 };
@@ -20,6 +21,7 @@ use crate::geometry::{Bounds, MeshView};
 
 /// A closed convex polyhedron of triangles, wound counter-clockwise seen from outside.
 #[derive(Debug, Clone, PartialEq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ConvexHull {
     /// Vertices, each used by a triangle.
     pub points: Vec<[f64; 3]>,
@@ -120,28 +122,18 @@ impl ConvexHull {
     /// The unit normal and offset of each triangle's plane; zero for triangles without area.
     pub fn planes(&self) -> Vec<([f64; 3], f64)> {
         let planes = self.face_planes().into_iter();
-        planes.map(|(normal, offset)| (normal.to_array(), offset)).collect()
+        planes.map(|Plane { normal, offset }| (normal.to_array(), offset)).collect()
     }
 
     /// The same, with vectors.
-    pub(crate) fn face_planes(&self) -> Vec<(Vector, f64)> {
-        let plane = |[a, b, c]: [Vector; 3]| {
-            let normal = area_normal(a, b, c);
-            let area = normal.length();
-            if area > 0.0 {
-                let normal = normal * (1.0 / area);
-                (normal, normal.dot(a))
-            } else {
-                (Vector::ZERO, 0.0)
-            }
-        };
-        self.faces().map(plane).collect()
+    pub(crate) fn face_planes(&self) -> Vec<Plane> {
+        self.faces().map(Plane::of).collect()
     }
 
     /// Distance of a point to the hull, 0 inside. `planes` are the hull's. O(triangles).
-    pub(super) fn distance_outside(&self, planes: &[(Vector, f64)], point: Vector) -> f64 {
+    pub(super) fn distance_outside(&self, planes: &[Plane], point: Vector) -> f64 {
         // The nearest point is on a face that the point is in front of.
-        let visible = self.faces().zip(planes).filter(|(_, plane)| plane.0.dot(point) > plane.1);
+        let visible = self.faces().zip(planes).filter(|(_, plane)| plane.height(point) > 0.0);
         let distances = visible.map(|(corners, _)| {
             let [a, b, c] = corners.map(|corner| corner - point);
             closest_point_on_triangle(a, b, c).length()
@@ -152,9 +144,8 @@ impl ConvexHull {
     /// Whether no vertex of another hull is in front of a face, up to the rounding of tests.
     #[cfg(test)]
     pub(super) fn holds(&self, other: &Self) -> bool {
-        self.face_planes().iter().all(|&(normal, offset)| {
-            other.points().iter().all(|&point| normal.dot(point) - offset <= 1e-9)
-        })
+        let planes = self.face_planes();
+        planes.iter().all(|plane| other.points().iter().all(|&point| plane.height(point) <= 1e-9))
     }
 }
 

@@ -6,11 +6,13 @@
 //! of the hull. And a hull is nowhere farther outside of a primitive than at its vertices.
 
 use super::convex_hull::{ConvexHull, any_across};
+use crate::geometry::plane::Plane;
 use crate::geometry::vector::{Vector, area_normal, bounds};
 
 /// A simple shape.
 #[non_exhaustive]
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Primitive {
     /// A box.
     Cuboid {
@@ -113,12 +115,7 @@ fn in_space(point: Vector, axes: [Vector; 3]) -> Vector {
 }
 
 /// The hull is inside of it.
-fn cuboid(
-    hull: &ConvexHull,
-    planes: &[(Vector, f64)],
-    axes: [Vector; 3],
-    slack: Slack,
-) -> Option<Fit> {
+fn cuboid(hull: &ConvexHull, planes: &[Plane], axes: [Vector; 3], slack: Slack) -> Option<Fit> {
     let (centre, half) = extent(hull, axes);
     let corner = |index: usize| {
         let signed = Vector::from_array(
@@ -140,8 +137,8 @@ fn cuboid(
 }
 
 /// How far a point is behind the nearest plane.
-fn depth(planes: &[(Vector, f64)], point: Vector) -> f64 {
-    let depths = planes.iter().map(|(normal, offset)| offset - normal.dot(point));
+fn depth(planes: &[Plane], point: Vector) -> f64 {
+    let depths = planes.iter().map(|plane| -plane.height(point));
     depths.fold(f64::INFINITY, f64::min)
 }
 
@@ -152,7 +149,7 @@ fn radius(farthest: f64, depth: f64, slack: Slack) -> Option<f64> {
     (least <= most && most > 0.0 && depth > 0.0).then(|| middle.clamp(least, most))
 }
 
-fn ball(hull: &ConvexHull, planes: &[(Vector, f64)], slack: Slack) -> Option<Fit> {
+fn ball(hull: &ConvexHull, planes: &[Plane], slack: Slack) -> Option<Fit> {
     let (low, high) = bounds(hull.points().iter().copied());
     let centre = (low + high) * 0.5;
     let farthest = hull.points().iter().map(|point| point.distance(centre)).fold(0.0, f64::max);
@@ -161,7 +158,7 @@ fn ball(hull: &ConvexHull, planes: &[(Vector, f64)], slack: Slack) -> Option<Fit
     Some((Primitive::Ball { centre: centre.to_array(), radius }, farthest - depth))
 }
 
-fn capsule(hull: &ConvexHull, planes: &[(Vector, f64)], axis: Vector, slack: Slack) -> Option<Fit> {
+fn capsule(hull: &ConvexHull, planes: &[Plane], axis: Vector, slack: Slack) -> Option<Fit> {
     let second = any_across(axis);
     let (centre, half) = extent(hull, [axis, second, axis.cross(second)]);
     let across = |point: &Vector| {

@@ -18,6 +18,7 @@ use super::growing_hull::HullBuilder;
 use super::quickhull::{HullState, Shape, first_simplex};
 use crate::control::Control;
 use crate::error::Error;
+use crate::geometry::plane::Plane;
 use crate::geometry::vector::{Vector, as_arrays, cubed, larger};
 
 /// A new vertex lies this far in front of the faces that it replaces, in the builder's frame (where
@@ -400,7 +401,7 @@ pub(crate) fn most_prominent(
         control.check()?;
         let planes = ConvexHull::from(builder.extract()).face_planes();
         let height = |point: Vector| {
-            let heights = planes.iter().map(|&(normal, offset)| normal.dot(point) - offset);
+            let heights = planes.iter().map(|plane| plane.height(point));
             heights.fold(f64::NEG_INFINITY, f64::max)
         };
         let heights = points.iter().map(|&point| (height(point), point));
@@ -420,7 +421,7 @@ fn grown_over(mut kept: ConvexHull, hull: &ConvexHull) -> Option<ConvexHull> {
     let sum = kept.points().iter().fold(Vector::ZERO, |sum, &point| sum + point);
     let centre = sum * (1.0 / kept.points.len() as f64);
     let mut factor: f64 = 1.0;
-    for (normal, offset) in kept.face_planes() {
+    for Plane { normal, offset } in kept.face_planes() {
         let own = offset - normal.dot(centre);
         let extents = hull.points().iter().map(|&point| normal.dot(point - centre));
         let wanted = extents.fold(f64::NEG_INFINITY, f64::max);

@@ -426,7 +426,7 @@ mod tests {
                 let baked = BakedMesh::new(view, parameters, hulls).with_gltf_meshes(vec![7, 2]);
                 baked.with_names(["node".into(), "".into()])
             };
-            let fine = Parameters::default().max_error(Length::share(0.01));
+            let fine = Parameters::default().with_max_error(Length::share(0.01));
             let meshes = vec![baked(2.0, Parameters::default()), baked(3.0, fine)];
             let floor = bar(9.0);
             let view = crate::MeshView::new(&floor.positions, &floor.triangles);
@@ -526,7 +526,7 @@ mod tests {
     fn a_mesh_is_found_by_content_and_parameters_or_the_lookup_has_the_reason() {
         let scene = scene();
         let (default, fine) =
-            (Method::default(), Parameters::default().max_error(Length::share(0.01)).into());
+            (Method::default(), Parameters::default().with_max_error(Length::share(0.01)).into());
         assert_eq!(scene.look_up(hash(2.0), &default, &[]), SceneLookup::Found(&scene.meshes[0]));
         assert_eq!(
             scene.look_up(hash(2.0), &fine, &["node"]),

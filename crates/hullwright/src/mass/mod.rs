@@ -357,7 +357,7 @@ mod tests {
     fn an_open_mesh_takes_the_union_of_its_hulls_or_its_own() {
         let mut bar = cuboid([0.0; 3], [2.0, 1.0, 1.0]);
         bar.triangles.pop();
-        let keep = Parameters::default().openings(Openings::Keep);
+        let keep = Parameters::default().with_openings(Openings::Keep);
         let of_shell =
             |mesh, hulls: &[Hull]| mass_properties_with(mesh, hulls, DENSITY, &keep).unwrap();
         let found = of_shell(&bar, &[]);

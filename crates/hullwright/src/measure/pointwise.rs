@@ -95,6 +95,12 @@ pub struct MeasuredMesh {
     solid: MeasuredSolid,
 }
 
+impl std::fmt::Debug for MeasuredMesh {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        formatter.debug_struct("MeasuredMesh").finish_non_exhaustive()
+    }
+}
+
 impl MeasuredMesh {
     /// Repairs a mesh and closes its openings, as [`close_openings`](crate::openings::close_openings). O(n
     /// log n).
@@ -189,6 +195,12 @@ pub struct MeasuredHulls {
     max: Vector,
     bvh: Bvh,
     normalization: Normalization,
+}
+
+impl std::fmt::Debug for MeasuredHulls {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        formatter.debug_struct("MeasuredHulls").finish_non_exhaustive()
+    }
 }
 
 impl MeasuredHulls {

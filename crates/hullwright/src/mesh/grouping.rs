@@ -9,6 +9,7 @@
 use crate::control::Control;
 use crate::error::Error;
 use crate::geometry::TriangleMesh;
+use crate::geometry::plane::Plane;
 use crate::geometry::vector::{Vector, larger};
 
 use super::adjacency::{Adjacency, NO_NEIGHBOUR};
@@ -90,7 +91,7 @@ pub(crate) fn grow(
                 }
                 let far = farther_vertex(mesh, current, neighbour);
                 let position = mesh.points()[far as usize];
-                if plane.distance(position) <= angular_threshold && planes.allow(far, position) {
+                if plane.height(position) <= angular_threshold && planes.allow(far, position) {
                     queue.push(neighbour);
                 }
             }
@@ -170,20 +171,6 @@ pub(crate) fn group_vertices(mesh: &TriangleMesh, group: &[u32]) -> Vec<u32> {
 // a vertex that was refused stays refused, and one that was behind all planes is compared with
 // those alone that came since. A comparison has three steps, each for what the one before leaves in
 // doubt: bounds for several planes, single precision with room for its rounding, double precision.
-
-/// The plane of a polygon: its points have this scalar product with the unit normal.
-#[derive(Debug, Clone, Copy)]
-struct Plane {
-    normal: Vector,
-    offset: f64,
-}
-
-impl Plane {
-    #[inline]
-    fn distance(&self, point: Vector) -> f64 {
-        self.normal.dot(point) - self.offset
-    }
-}
 
 /// Planes that are compared in one go, so that the compiler can use wide registers.
 const BATCH: usize = 8;
@@ -495,8 +482,8 @@ mod tests {
                         let far = farther_vertex(&mesh, current, neighbour);
                         let far = mesh.points()[far as usize];
                         if labels[neighbour as usize] == UNGROUPED
-                            && own.distance(far) <= 0.01
-                            && planes.iter().all(|plane| plane.distance(far) <= p)
+                            && own.height(far) <= 0.01
+                            && planes.iter().all(|plane| plane.height(far) <= p)
                         {
                             queue.push_back(neighbour);
                         }

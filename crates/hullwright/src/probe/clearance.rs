@@ -28,6 +28,7 @@ use crate::bvh::Bvh;
 use crate::bvh::closest_point::EXACT;
 use crate::control::Control;
 use crate::error::Error;
+use crate::geometry::plane::Plane;
 use crate::geometry::vector::{Vector, squared};
 
 /// Half the side of a part that is not divided, as a fraction of the bound, at most: its planes are
@@ -62,13 +63,6 @@ enum Within {
     Children(Box<[Part; 8]>),
     /// Of a small part: centres are beyond all of these.
     Planes(Vec<Plane>),
-}
-
-/// The points whose product with the unit normal is at least the offset.
-#[derive(Clone, Copy)]
-struct Plane {
-    normal: Vector,
-    offset: f64,
 }
 
 impl Part {

@@ -129,7 +129,7 @@ mod tests {
     use crate::parameters::{Length, Parameters};
 
     fn filled_at(mesh: &TriangleMesh, radius: Option<f64>) -> Option<FilledSurface> {
-        let parameters = Parameters::default().probe_radius(radius.map(Length::units));
+        let parameters = Parameters::default().with_probe_radius(radius.map(Length::units));
         let control = Control::new();
         let mesh = MeasuredMesh::new(MeshView::from(mesh), &parameters, &control).unwrap();
         mesh.filled(&control).unwrap()

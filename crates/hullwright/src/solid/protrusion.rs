@@ -163,7 +163,7 @@ impl<'a> Exact<'a> {
             return false;
         }
         let planes = hull.face_planes();
-        let contains = |point| planes.iter().all(|&(normal, offset)| normal.dot(point) <= offset);
+        let contains = |point| planes.iter().all(|plane| plane.height(point) <= 0.0);
         for &(point, depth) in cavities {
             if depth > self.known && contains(point) {
                 self.known = depth;

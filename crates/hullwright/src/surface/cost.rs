@@ -9,6 +9,7 @@
 
 use crate::decomposition::GroupedMesh;
 use crate::error::Error;
+use crate::geometry::plane::Plane;
 use crate::geometry::vector::{Vector, area_normal, as_arrays, diagonal};
 use crate::hull::{ConvexHull, HullBuilder, Shape};
 use crate::mesh::TriangleMesh;
@@ -132,17 +133,12 @@ impl CostScratch {
 
 /// How far a ray from a point inside a hull runs until it leaves. Where that is at most `enough` an
 /// upper bound that is at most `enough` may be returned, since only the greatest distance counts.
-fn distance_to_exit(
-    point: Vector,
-    direction: Vector,
-    planes: &[(Vector, f64)],
-    enough: f64,
-) -> f64 {
+fn distance_to_exit(point: Vector, direction: Vector, planes: &[Plane], enough: f64) -> f64 {
     let mut nearest = f64::INFINITY;
     // Most planes are left later than the nearest so far, which is decided without a division.
     let mut beyond = f64::INFINITY;
     for &plane in planes {
-        let (normal, offset) = plane;
+        let Plane { normal, offset } = plane;
         if offset - normal.dot(point) > beyond * normal.dot(direction).max(0.0) {
             continue;
         }
@@ -158,7 +154,7 @@ fn distance_to_exit(
 
 /// How far a ray runs until it passes a plane; infinite if it never does.
 #[inline]
-fn exit_through(point: Vector, direction: Vector, (normal, offset): (Vector, f64)) -> f64 {
+fn exit_through(point: Vector, direction: Vector, Plane { normal, offset }: Plane) -> f64 {
     let towards = normal.dot(direction);
     if towards > PARALLEL {
         ((offset - normal.dot(point)) / towards).max(0.0)

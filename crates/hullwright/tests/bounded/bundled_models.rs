@@ -76,7 +76,7 @@ fn the_promise_holds_with_as_many_hulls_as_before() {
 fn past_the_deadline_hulls_are_as_few_as_those_of_fast() {
     let past = Control::new().with_deadline(Instant::now());
     let hulls = |mesh: &Mesh, preset: Preset, control: &Control| {
-        let parameters = Parameters::default().preset(preset);
+        let parameters = Parameters::default().with_preset(preset);
         let result = decompose(view(mesh), &parameters, control).unwrap();
         assert_promise("deadline", mesh, &result);
         (result.hulls.len(), result.run.deadline_reached)

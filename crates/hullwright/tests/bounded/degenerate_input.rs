@@ -6,7 +6,7 @@ use crate::common::{Mesh, cuboid, join, l_prism, turned, view};
 use crate::promised_with;
 
 fn presets() -> [Parameters; 3] {
-    [Preset::Fast, Preset::Balanced, Preset::Fine].map(|p| Parameters::default().preset(p))
+    [Preset::Fast, Preset::Balanced, Preset::Fine].map(|p| Parameters::default().with_preset(p))
 }
 
 fn assert_kept(name: &str, mesh: &Mesh) {

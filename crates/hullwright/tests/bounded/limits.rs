@@ -8,7 +8,7 @@ use crate::{judge, promised_with, with_bound};
 
 #[test]
 fn hulls_keep_the_limit_on_vertices_and_a_ball_that_it_divides_stays_filled() {
-    let limited = Parameters::default().max_vertices(12);
+    let limited = Parameters::default().with_max_vertices(12);
     let ball = ball(24, 48);
     for (name, mesh) in [("torus", &torus()), ("ball", &ball)] {
         let result = promised_with(name, mesh, &limited);
@@ -23,7 +23,7 @@ fn hulls_keep_the_limit_on_vertices_and_a_ball_that_it_divides_stays_filled() {
 #[test]
 fn the_limit_on_hulls_is_kept_and_the_report_has_its_error() {
     let mesh = u_prism();
-    let result = run_with(&mesh, &Parameters::default().max_hulls(2));
+    let result = run_with(&mesh, &Parameters::default().with_max_hulls(2));
     assert_eq!(result.hulls.len(), 2);
     let report = &result.report;
     assert!(report.protrusion_max > report.bound);
@@ -37,7 +37,7 @@ fn a_limit_on_hulls_costs_no_more_error_than_the_bound_that_ends_with_as_many() 
     let mesh = torus();
     for share in [0.03, 0.05, 0.08] {
         let larger = run_with(&mesh, &with_bound(share));
-        let limited = run_with(&mesh, &Parameters::default().max_hulls(larger.hulls.len()));
+        let limited = run_with(&mesh, &Parameters::default().with_max_hulls(larger.hulls.len()));
         assert!(limited.hulls.len() <= larger.hulls.len());
         let (limited, bound) = (limited.report, larger.report.bound);
         let error = limited.protrusion_max.max(limited.uncovered_max);
@@ -50,7 +50,7 @@ fn a_limit_on_hulls_costs_no_more_error_than_the_bound_that_ends_with_as_many() 
 #[test]
 fn one_hull_of_a_ball_has_the_error_that_its_vertices_allow() {
     let ball = ball(40, 40);
-    let one = run_with(&ball, &with_bound(0.005).max_hulls(1));
+    let one = run_with(&ball, &with_bound(0.005).with_max_hulls(1));
     let larger = run_with(&ball, &with_bound(0.03));
     assert_eq!((one.hulls.len(), larger.hulls.len()), (1, 1));
     let error =
@@ -125,7 +125,7 @@ fn where_the_vertex_limit_forces_hulls_the_report_says_how_many_there_would_be_w
     let ball = ball(40, 40);
     let parameters = with_bound(0.005);
     let limited = run_with(&ball, &parameters);
-    let free = run_with(&ball, &parameters.clone().max_vertices(None));
+    let free = run_with(&ball, &parameters.clone().with_max_vertices(None));
     assert!(limited.hulls.len() > 1 && free.hulls.len() == 1);
     assert_eq!(limited.report.hulls_without_vertex_limit, 1);
     assert_eq!(limited.remarks(), ["the vertex limit forces hulls: 1 without it"]);

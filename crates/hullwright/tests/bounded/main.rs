@@ -34,7 +34,7 @@ use common::{Mesh, run_with, view};
 
 /// The default parameters with another bound, as a fraction of the diagonal.
 fn with_bound(bound: f64) -> Parameters {
-    Parameters::default().max_error(Length::share(bound))
+    Parameters::default().with_max_error(Length::share(bound))
 }
 
 /// A decomposition by default, which keeps the promise.

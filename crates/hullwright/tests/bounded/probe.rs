@@ -17,7 +17,9 @@ use crate::independent::paths::deepest_entry;
 const BOUND: f64 = 0.05;
 
 fn with_radius(radius: f64) -> Parameters {
-    Parameters::default().max_error(Length::units(BOUND)).probe_radius(Length::units(radius))
+    Parameters::default()
+        .with_max_error(Length::units(BOUND))
+        .with_probe_radius(Length::units(radius))
 }
 
 fn with_probe(mesh: &Mesh, radius: f64) -> Decomposition {
@@ -81,7 +83,7 @@ fn a_comb_is_one_hull_where_a_ball_hardly_sinks_in_and_keeps_its_teeth_where_it_
     let sinks_in = |radius: f64| radius - (radius * radius - 0.25).sqrt();
     assert!(sinks_in(5.0) < 0.6 * BOUND && sinks_in(1.0) > 2.0 * BOUND);
     assert_eq!(with_probe(&comb, 5.0).hulls.len(), 1);
-    let without = run_with(&comb, &Parameters::default().max_error(Length::units(BOUND)));
+    let without = run_with(&comb, &Parameters::default().with_max_error(Length::units(BOUND)));
     for radius in [0.1, 0.4] {
         let found = with_probe(&comb, radius);
         assert_eq!(found.hulls.len(), without.hulls.len(), "{radius}");
@@ -93,7 +95,7 @@ fn a_comb_is_one_hull_where_a_ball_hardly_sinks_in_and_keeps_its_teeth_where_it_
 #[test]
 fn a_cave_fills_whose_entrance_is_too_narrow() {
     let inside = [2.0, 2.0, 2.0];
-    let without = run_with(&cave(1.0), &Parameters::default().max_error(Length::units(BOUND)));
+    let without = run_with(&cave(1.0), &Parameters::default().with_max_error(Length::units(BOUND)));
     let closed = with_probe(&cave(1.0), 0.9);
     let open = with_probe(&cave(1.0), 0.4);
     assert!(!is_filled(&open, inside));
@@ -130,7 +132,7 @@ fn no_ball_is_entered_by_more_than_the_bound_wherever_it_goes() {
     ];
     for (name, mesh) in shapes {
         for radius in [0.15, 0.45, 1.2] {
-            let parameters = with_radius(radius).openings(Openings::Keep);
+            let parameters = with_radius(radius).with_openings(Openings::Keep);
             let found = run_with(&mesh, &parameters);
             let entered = entered(&mesh, &found, radius, &[]);
             assert!(entered <= BOUND * (1.0 + 1e-6), "{name}, {radius}: {entered}");
@@ -146,18 +148,18 @@ fn nested_shells_fill_and_a_room_without_a_door_stays_open_only_for_who_starts_i
     let shells = join(&[room(), cuboid([1.0; 3], [3.0; 3])]);
     assert_eq!(with_probe(&shells, 0.3).hulls.len(), 1);
     assert_eq!(with_probe(&room(), 0.3).hulls.len(), 1);
-    let found = run_with(&room(), &with_radius(0.3).probe_from([inside]));
+    let found = run_with(&room(), &with_radius(0.3).with_probe_from([inside]));
     assert!(!is_filled(&found, inside) && found.hulls.len() >= 6);
     let entered = entered(&room(), &found, 0.3, &[inside]);
     assert!(entered <= BOUND * (1.0 + 1e-6), "{entered}");
-    let again = run_with(&room(), &with_radius(0.3).probe_from([inside, [2.0, 1.0, 3.0]]));
+    let again = run_with(&room(), &with_radius(0.3).with_probe_from([inside, [2.0, 1.0, 3.0]]));
     assert_eq!(again.hulls, found.hulls);
 }
 
 #[test]
 fn a_radius_of_ten_diagonals_gives_the_convex_hull() {
     for mesh in [cup(), comb(5, 6.0, 3.0), plus_prism(), torus()] {
-        let parameters = Parameters::default().probe_radius(Length::share(10.0));
+        let parameters = Parameters::default().with_probe_radius(Length::share(10.0));
         assert_eq!(run_with(&mesh, &parameters).hulls.len(), 1);
     }
 }
@@ -165,8 +167,8 @@ fn a_radius_of_ten_diagonals_gives_the_convex_hull() {
 #[test]
 fn a_smaller_radius_than_the_bound_opens_nothing_and_fills_nothing_that_can_be_reached() {
     let cup = cup();
-    let coarse = Parameters::default().max_error(Length::units(0.2));
-    let found = run_with(&cup, &coarse.probe_radius(Length::units(0.02)));
+    let coarse = Parameters::default().with_max_error(Length::units(0.2));
+    let found = run_with(&cup, &coarse.with_probe_radius(Length::units(0.02)));
     assert!(!is_filled(&found, [0.0, 0.0, 1.9]) && !is_filled(&found, [0.0, 0.0, 0.9]));
 }
 
@@ -176,7 +178,7 @@ fn a_ball_smaller_than_the_detail_that_the_search_leaves_out_has_the_hulls_of_no
     let mesh = ball(60, 60);
     let without = run_with(&mesh, &Parameters::default());
     for share in [0.003, 0.004, 0.0041] {
-        let parameters = Parameters::default().probe_radius(Length::share(share));
+        let parameters = Parameters::default().with_probe_radius(Length::share(share));
         assert_eq!(run_with(&mesh, &parameters).hulls, without.hulls, "{share}");
     }
 }
@@ -221,7 +223,7 @@ fn measured_and_joined_hulls_are_judged_by_what_the_probe_reaches() {
     let tree = MergeTree::new(view(&plus_prism()), &four, &with_radius(0.3), &control).unwrap();
     let curve = tree.curve();
     assert!(curve.windows(2).all(|pair| pair[0].error <= pair[1].error));
-    let limited = run_with(&cave(1.0), &with_radius(0.4).max_hulls(3));
+    let limited = run_with(&cave(1.0), &with_radius(0.4).with_max_hulls(3));
     assert!(limited.hulls.len() <= 3 && limited.report.protrusion_max > BOUND);
 }
 
@@ -234,30 +236,30 @@ fn what_makes_no_sense_is_refused_by_name() {
         };
     for radius in [0.0, -1.0, f64::NAN, f64::INFINITY] {
         for radius in [Length::share(radius), Length::units(radius)] {
-            let parameters = Parameters::default().probe_radius(radius);
+            let parameters = Parameters::default().with_probe_radius(radius);
             assert_eq!(refused(&parameters).0, "probe_radius", "{radius:?}");
         }
     }
-    let (name, reason) = refused(&with_radius(0.3).keep_cavities(true));
+    let (name, reason) = refused(&with_radius(0.3).with_keep_cavities(true));
     assert!(name == "probe_radius" && reason.contains("keep_cavities"), "{reason}");
     for (point, expected) in [
         ([0.5, 2.0, 2.0], "nearer to the mesh"),
         ([0.15, 2.0, 2.0], "in the solid"),
         ([f64::NAN, 0.0, 0.0], "not finite"),
     ] {
-        let parameters = with_radius(0.3).probe_from([point]);
+        let parameters = with_radius(0.3).with_probe_from([point]);
         let (name, reason) = refused(&parameters);
         assert!(name == "probe_from" && reason.contains(expected), "{reason}");
         let measured = MeasuredMesh::new(view(&room()), &parameters, &Control::new());
         assert_eq!(measured.err(), Some(Error::InvalidParameter { name, reason }));
     }
-    let (name, reason) = refused(&Parameters::default().probe_from([[9.0; 3]]));
+    let (name, reason) = refused(&Parameters::default().with_probe_from([[9.0; 3]]));
     assert!(name == "probe_from" && reason.contains("probe_radius"), "{reason}");
 }
 
 #[test]
 fn parameters_with_a_probe_are_text() {
-    let parameters = with_radius(0.1).probe_from([[1.0, -2.5, 0.125], [0.0, 1e-3, 4.0]]);
+    let parameters = with_radius(0.1).with_probe_from([[1.0, -2.5, 0.125], [0.0, 1e-3, 4.0]]);
     let text = parameters.to_string();
     assert_eq!(text, "max_error=0.05m probe_radius=0.1m probe_from=1,-2.5,0.125;0,0.001,4");
     assert_eq!(text.parse(), Ok(parameters));

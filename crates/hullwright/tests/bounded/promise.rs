@@ -19,7 +19,7 @@ fn the_promise_holds_for_every_bound() {
 #[test]
 fn every_preset_keeps_the_promise() {
     for preset in [Preset::Fast, Preset::Balanced, Preset::Fine] {
-        promised_with(preset.name(), &cup(), &Parameters::default().preset(preset));
+        promised_with(preset.name(), &cup(), &Parameters::default().with_preset(preset));
     }
 }
 
@@ -28,7 +28,7 @@ fn a_bound_in_units_equals_one_as_a_fraction_of_the_diagonal() {
     let mesh = u_prism();
     let relative = run(&mesh);
     let diagonal = relative.run.diagonal;
-    let parameters = Parameters::default().max_error(Length::units(0.02 * diagonal));
+    let parameters = Parameters::default().with_max_error(Length::units(0.02 * diagonal));
     let absolute = run_with(&mesh, &parameters);
     assert!((absolute.report.bound - 0.02 * diagonal).abs() < 1e-12);
     assert_eq!(absolute.hulls, relative.hulls);

@@ -60,7 +60,7 @@ fn long_needles_are_no_reason_to_divide() {
 fn a_finer_preset_has_no_more_hulls() {
     for mesh in [torus(), cup(), plus_prism()] {
         let counts = [Preset::Fast, Preset::Balanced, Preset::Fine]
-            .map(|preset| run_with(&mesh, &Parameters::default().preset(preset)).hulls.len());
+            .map(|preset| run_with(&mesh, &Parameters::default().with_preset(preset)).hulls.len());
         assert!(counts.is_sorted_by(|coarse, fine| coarse >= fine), "{counts:?}");
     }
 }
@@ -78,7 +78,7 @@ fn a_thin_walled_cup_stays_hollow() {
 fn a_cavity_fills_unless_it_is_to_be_kept() {
     let hollow = join(&[l_prism(), turned(&cuboid([0.4; 3], [0.6; 3]))]);
     assert!(is_filled(&promised("filled", &hollow), [0.5; 3]));
-    let parameters = Parameters::default().keep_cavities(true);
+    let parameters = Parameters::default().with_keep_cavities(true);
     assert!(!is_filled(&promised_with("kept", &hollow, &parameters), [0.5; 3]));
     // Without cavities, keeping them changes nothing.
     assert_eq!(run_with(&l_prism(), &parameters).hulls, run(&l_prism()).hulls);
@@ -219,7 +219,7 @@ fn plates_are_filled_between_their_top_and_bottom() {
 fn a_plain_shape_has_the_same_hulls_however_finely_it_is_cut() {
     for (name, mesh) in [("box", cuboid([0.0; 3], [1.0, 0.7, 0.4])), ("plus", plus_prism())] {
         for share in [0.02, 0.005, 0.001, 0.0002] {
-            let parameters = Parameters::default().max_error(Length::share(share));
+            let parameters = Parameters::default().with_max_error(Length::share(share));
             let [plain, fine] = [0, 4].map(|times| {
                 let cut = cut_finely(mesh.clone(), times);
                 let found = run_with(&cut, &parameters);

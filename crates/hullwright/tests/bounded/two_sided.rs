@@ -121,7 +121,7 @@ fn the_bound_decides_how_wide_an_opening_may_be() {
     let pot = both_ways(&(positions, open.collect()));
     assert!(is_filled(&run_with(&pot, &with_bound(0.05)), [0.0; 3]));
     assert!(!is_filled(&run_with(&pot, &with_bound(0.02)), [0.0; 3]));
-    let keep = with_bound(0.05).openings(Openings::Keep);
+    let keep = with_bound(0.05).with_openings(Openings::Keep);
     assert!(!is_filled(&run_with(&pot, &keep), [0.0; 3]));
 }
 

@@ -241,9 +241,12 @@ fn what_is_verified_is_what_brute_force_finds_on_made_shapes() {
 #[test]
 fn it_is_so_under_limits() {
     for parameters in [
-        Parameters::default().max_hulls(3),
-        Parameters::default().max_vertices(12),
-        Parameters::default().max_error(Length::share(0.04)).max_hulls(5).max_vertices(16),
+        Parameters::default().with_max_hulls(3),
+        Parameters::default().with_max_vertices(12),
+        Parameters::default()
+            .with_max_error(Length::share(0.04))
+            .with_max_hulls(5)
+            .with_max_vertices(16),
     ] {
         assert_verified(&format!("torus {parameters:?}"), &torus(), &parameters);
         assert_verified(&format!("cup {parameters:?}"), &cup(), &parameters);

@@ -280,7 +280,7 @@ fn the_single_hull_is_that_of_all_points() {
         let hull = &made.hulls[0];
         assert!((hull.shape.volume() / expected.volume() - 1.0).abs() < 1e-9);
         assert_eq!(hull.provenance.source_triangles.len(), mesh.1.len());
-        let method = Method::Hull(Parameters::default().max_vertices(None));
+        let method = Method::Hull(Parameters::default().with_max_vertices(None));
         let same = method.decompose(view(&mesh), &Control::new()).unwrap();
         assert_eq!((same.hulls, same.report), (made.hulls, MethodReport::Hull));
         let limited = single_hull(view(&mesh), Some(8), &Control::new()).unwrap();
@@ -288,4 +288,21 @@ fn the_single_hull_is_that_of_all_points() {
         assert!(limited.shape.points.len() <= 8 && limited.shape.volume() >= expected.volume());
         assert!(limited.errors.simplification_growth > 0.0 || expected.points.len() <= 8);
     }
+}
+
+/// What is found can be kept by any format of serde.
+#[cfg(feature = "serde")]
+#[test]
+fn a_decomposition_is_written_and_read() {
+    let result = decompose(view(&l_prism()), &Parameters::default(), &Control::new()).unwrap();
+    let text = serde_json::to_string(&result).unwrap();
+    let read: Decomposition = serde_json::from_str(&text).unwrap();
+    assert_eq!(read.hulls.len(), 2);
+    for (read, made) in read.hulls.iter().zip(&result.hulls) {
+        assert_eq!(read.provenance, made.provenance);
+        assert_eq!(read.shape.triangles, made.shape.triangles);
+    }
+    assert_eq!(read.grouped.groups, result.grouped.groups);
+    // Numbers as text may be off in the last bit.
+    assert!((read.report.bound - result.report.bound).abs() < 1e-12);
 }

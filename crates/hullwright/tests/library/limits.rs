@@ -140,7 +140,7 @@ fn the_surface_method_on_threads_may_have_nothing_at_the_deadline() {
 #[test]
 fn a_further_pass_ends_at_the_deadline_with_the_result_of_the_pass_before() {
     let mesh = torus();
-    let parameters = Parameters::default().preset(Preset::Fine);
+    let parameters = Parameters::default().with_preset(Preset::Fine);
     // More than the first pass takes: with less it would be hurried.
     let deadline = Instant::now() + Duration::from_secs(8);
     let control = Control::new().with_deadline(deadline);

@@ -121,7 +121,7 @@ fn what_is_drawn_from_both_sides_is_closed_at_the_bottom_alone() {
     // The same tile in a file where z points up.
     let mut lying = tile;
     lying.positions.iter_mut().for_each(|[x, y, z]| (*x, *y, *z) = (*z, *x, *y));
-    let z_up = Parameters::default().up_axis(UpAxis::Z);
+    let z_up = Parameters::default().with_up_axis(UpAxis::Z);
     assert_eq!(outcomes(&run(&lying, &Parameters::default())), [OpeningOutcome::TwoSided]);
     assert_eq!(outcomes(&run(&lying, &z_up)), [CLOSED]);
 }
@@ -183,7 +183,7 @@ fn the_inner_faces_of_a_crate_are_filled_unless_cavities_are_kept() {
         assert_eq!(found.hulls[0].shape.points.len(), 8);
     }
     let hollow = joined(&[outer, turned(box_without([0.2; 3], [1.8; 3], &[]))]);
-    let kept = run(&hollow, &Parameters::default().keep_cavities(true));
+    let kept = run(&hollow, &Parameters::default().with_keep_cavities(true));
     assert_eq!(kept.run.nested_components, 0);
     assert!(!is_filled(&kept, [1.0; 3]));
     let mass = mass_properties(&hollow, &[], 1.0).unwrap();
@@ -203,11 +203,11 @@ fn components_that_overlap_in_part_both_stay() {
 #[test]
 fn keep_leaves_a_shell_and_close_fills_what_auto_leaves() {
     let tile = box_without([0.0; 3], [2.0, 1.0, 2.0], &[BOTTOM]);
-    let kept = run(&tile, &Parameters::default().openings(Openings::Keep));
+    let kept = run(&tile, &Parameters::default().with_openings(Openings::Keep));
     assert!(kept.hulls.len() > 1 && outcomes(&kept).is_empty());
     assert!(!is_filled(&kept, [1.0, 0.4, 1.0]));
 
-    let filled = run(&room(), &Parameters::default().openings(Openings::Close));
+    let filled = run(&room(), &Parameters::default().with_openings(Openings::Close));
     assert_eq!((filled.hulls.len(), outcomes(&filled)), (1, vec![CLOSED]));
     let paper = surface::decompose(&tile, &SurfaceParameters::paper(), &Control::new()).unwrap();
     assert!(paper.run.openings.is_empty(), "the paper takes the mesh as it is");
@@ -237,7 +237,7 @@ fn a_cap_that_the_surface_goes_through_is_left() {
 fn the_page_about_openings_has_the_rows_of_all_cases_and_the_words_of_all_outcomes() {
     let page = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/openings.md");
     let page = std::fs::read_to_string(page).unwrap();
-    let keep = Parameters::default().openings(Openings::Keep);
+    let keep = Parameters::default().with_openings(Openings::Keep);
     for (name, mesh) in solids().into_iter().chain(hollows()) {
         let [kept, found] = [run(&mesh, &keep), run(&mesh, &Parameters::default())];
         let mut openings: Vec<_> = outcomes(&found).iter().map(|own| own.describe()).collect();

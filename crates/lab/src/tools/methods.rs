@@ -111,7 +111,7 @@ impl Run {
     pub fn own_method(&self) -> Option<Method> {
         match *self {
             Self::Surface => Some(SurfaceParameters::paper().into()),
-            Self::Bounded { error, preset } => Some(bounded(error).preset(preset).into()),
+            Self::Bounded { error, preset } => Some(bounded(error).with_preset(preset).into()),
             _ => None,
         }
     }
@@ -119,7 +119,7 @@ impl Run {
 
 /// The defaults, except for the error.
 pub fn bounded(error: f64) -> Parameters {
-    Parameters::default().max_error(Length::Share(error))
+    Parameters::default().with_max_error(Length::Share(error))
 }
 
 #[cfg(test)]

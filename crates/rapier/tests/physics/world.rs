@@ -35,7 +35,7 @@ impl Prop {
 
     /// One of the bundled models, with a bound as a fraction of its diagonal.
     pub fn model_bounded(name: &str, share: f64) -> Self {
-        Self::model_within(name, &Parameters::default().max_error(Length::share(share)))
+        Self::model_within(name, &Parameters::default().with_max_error(Length::share(share)))
     }
 
     fn model_within(name: &str, parameters: &Parameters) -> Self {

@@ -15,7 +15,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let [assets, file] = arguments.as_slice() else { return Err("props ASSETS FILE".into()) };
-    let parameters = Parameters::default().preset(Preset::Fast);
+    let parameters = Parameters::default().with_preset(Preset::Fast);
     let mut baked = Vec::new();
     for number in 0..PROPS {
         let name = MODELS[number % MODELS.len()];

@@ -291,7 +291,7 @@ mod tests {
     #[cfg(feature = "parallel")]
     fn learned_on(threads: usize) -> (Vec<[Vector; 3]>, Vec<PatchSet>) {
         let mesh = join(&[torus(48, 24), cuboid([0.2, 0.2, -0.1], [0.5, 0.6, 0.9])]);
-        let parameters = Parameters::default().max_error(Length::share(0.007));
+        let parameters = Parameters::default().with_max_error(Length::share(0.007));
         let control = Control::new();
         let prepared = prepare(mesh.view(), MeshOrder::Place, &control).unwrap();
         let settings = &Settings::of_preset(&parameters, &prepared.normalization)[0];
