@@ -1,7 +1,7 @@
-//! What the Bevy plugin costs the main thread: `cargo bench --bench plugin`.
+//! What the Bevy plugin costs the main thread: `cargo bench --ignore-rust-version --bench plugin`.
 //!
 //! Other programs interrupt frames by milliseconds. On Linux, `chrt --fifo 10` before the program
-//! that `cargo bench --no-run` names keeps them away.
+//! that `cargo bench --ignore-rust-version --no-run` names keeps them away.
 //!
 //! Measured is what lies between the first and the last of the plugin's systems, with the commands
 //! that they issue and the observers that they run; Rapier's own come after them. Beside it, for

@@ -1,8 +1,8 @@
 //! Bevy's asset processor bakes a scene at build time: beside `level.glb` lies a recipe,
 //! `level.hullrecipe`, a line of JSON. The first start makes the hulls and writes them to the
 //! folder of processed assets; the second one loads them. No other line of the game differs from
-//! one with a file of `hullwright bake`: `cargo run --release --example asset_processor --features
-//! bake [SCENE.glb]`.
+//! one with a file of `hullwright bake`: `cargo run --ignore-rust-version --release --example
+//! asset_processor --features bake [SCENE.glb]`.
 
 use std::path::Path;
 use std::time::{Duration, Instant};

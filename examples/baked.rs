@@ -1,6 +1,6 @@
 //! Bakes a scene as `hullwright bake` does, then starts a Bevy app without a window in which a
 //! hundred bodies take their colliders from the file, without any decomposition:
-//! `cargo run --release --example baked [SCENE.glb]`.
+//! `cargo run --ignore-rust-version --release --example baked [SCENE.glb]`.
 
 use std::time::Instant;
 

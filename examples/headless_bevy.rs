@@ -1,6 +1,6 @@
 //! Tags meshes in a Bevy app without a window, waits for their colliders while frames go on, lets
 //! them fall, prints a table:
-//! `cargo run --release --example headless_bevy [MESH…]`.
+//! `cargo run --ignore-rust-version --release --example headless_bevy [MESH…]`.
 
 mod headless;
 

@@ -1,5 +1,5 @@
 //! Loads a mesh, decomposes it, drops ten of it onto each other in Rapier, prints where they go:
-//! `cargo run --release --example headless_rapier [MESH]`.
+//! `cargo run --ignore-rust-version --release --example headless_rapier [MESH]`.
 
 use std::time::Instant;
 

@@ -1,8 +1,8 @@
 //! A loading screen without a window: a scene is loaded, its meshes get their colliders in the
 //! background while the progress is shown, and the level starts when all is done. With a
 //! `.hullscene` file beside the scene, as `hullwright bake SCENE` writes it, nothing is decomposed:
-//! `cargo run --release --example loading_screen --features bake,bevy_gltf [SCENE.glb]`. One with
-//! textures in it wants the features `bevy/png,bevy/jpeg` too.
+//! `cargo run --ignore-rust-version --release --example loading_screen --features bake,bevy_gltf
+//! [SCENE.glb]`. One with textures in it wants the features `bevy/png,bevy/jpeg` too.
 
 #[path = "headless/scenes.rs"]
 mod scenes;

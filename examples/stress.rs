@@ -1,6 +1,6 @@
 //! Hundreds of props of ten kinds rain into a Bevy app without a window, first unknown to the
 //! plugin, then known; prints how long frames took:
-//! `cargo run --release --example stress [PROPS]`.
+//! `cargo run --ignore-rust-version --release --example stress [PROPS]`.
 
 mod headless;
 

@@ -39,6 +39,16 @@
 //! | a loading screen | to show how far it is | [`DecompositionProgress`] |
 //! | many entities | the nearest first; how many are done | [`DecompositionFocus`], [`DecompositionPriority`], [`DecompositionCounters`] |
 //! | the feature `debug` | hulls drawn, counters among the diagnostics | `HullwrightDebugPlugin` |
+//!
+//! | feature | what it adds |
+//! |---|---|
+//! | `parallel` (default) | independent parts of the work run on rayon's pool, where the library is called directly |
+//! | `bevy_gltf` | tags in glTF extras, what is hidden, levels of detail |
+//! | `bake` | scenes are baked in Bevy's asset processor: `HullRecipeProcessor` |
+//! | `debug` | `HullwrightDebugPlugin` |
+//! | `serde` | tags and parameters can be written and read |
+
+#![cfg_attr(docsrs, feature(doc_cfg))]
 
 // Five concepts, each with a plugin of its own. Imports go down this table only; what a concept
 // owns is private to it, and others use verbs on it.
@@ -65,6 +75,9 @@ use bevy::asset::AssetEventSystems;
 use bevy::prelude::*;
 use bevy_rapier3d::plugin::PhysicsSet;
 use bevy_rapier3d::prelude::CollisionEvent;
+
+/// The library, and what makes its hulls Rapier's: their types are in this crate's signatures.
+pub use {hullwright, hullwright_rapier};
 
 #[cfg(feature = "debug")]
 pub use debug::{HullGizmos, HullwrightDebug, HullwrightDebugPlugin};

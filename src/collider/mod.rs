@@ -1,5 +1,5 @@
-//! Results reach their entities: as colliders, as statuses, as events. Errors do so as statuses, as
-//! events, and in one line of the log.
+//! From tags to requests, and from results to colliders: what has changed, what is attached, which
+//! bodies wait. Errors become statuses, events, and one line of the log.
 
 pub(super) mod changes;
 mod follow;

@@ -16,7 +16,7 @@ use super::baked::{BakedScene, BakedSceneSettings, HullSceneLoader, LoadHullsErr
 use super::task::contain_panics;
 use crate::tag::settings::HAS_THREADS;
 
-/// Loads `.hullrecipe` files (feature `io`): JSON that names a scene beside it, `{"scene":
+/// Loads `.hullrecipe` files (feature `bake`): JSON that names a scene beside it, `{"scene":
 /// "level.glb", "parameters": "max_error=1%", "tagged_only": false, "triangles": false}`, the last
 /// three if need be. The hulls are made when it is loaded or, if Bevy processes assets, at build
 /// time.

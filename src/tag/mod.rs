@@ -14,7 +14,7 @@ use self::outcomes::{
     DecompositionFailed, DecompositionReady, DecompositionSkipped, DecompositionStatus,
 };
 use self::settings::{FallbackCollider, HullwrightSettings};
-/// The names that the plugin has for them.
+/// The library's `Openings` and `Preset` under the plugin's names.
 pub use hullwright::{Openings as DecompositionOpenings, Preset as DecompositionPreset};
 
 /// Gives the entity a collider of convex hulls, made in the background from the meshes on it and

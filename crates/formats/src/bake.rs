@@ -1,5 +1,5 @@
-//! Bakes the meshes of a scene into one file, so that a game decomposes nothing when it starts
-//! (features `bake` and `io`).
+//! Bakes the meshes of a scene into one file, so that a game decomposes nothing when it
+//! starts.
 //!
 //! ```
 //! use hullwright_formats::bake::{BakeOptions, bake_jobs};

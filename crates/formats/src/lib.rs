@@ -30,6 +30,8 @@
 //! | `meshes` (default) | readers and writers of mesh files, and baking; without it [`write_file`] and names are left |
 //! | `extras` (in `meshes`) | extras of glTF files |
 
+#![cfg_attr(docsrs, feature(doc_cfg))]
+
 mod atomic_write;
 #[cfg(feature = "meshes")]
 pub mod bake;

@@ -1,5 +1,5 @@
 //! Our hull against Parry's on the same points, and what it takes to copy a hull and let it grow:
-//! `cargo bench --bench hull`.
+//! `cargo bench --package hullwright --bench hull`.
 
 use std::hint::black_box;
 use std::time::Instant;

@@ -52,7 +52,7 @@
 //!
 //! - [`decompose`], the default: patches of the surface merge, under a bound on the error, into few
 //!   hulls that cover the surface. The bound is verified against the source. `docs/algorithm.md` in
-//!   the crate explains each stage, with pictures, and why the bound is sound.
+//!   the repository explains each stage, with pictures, and why the bound is sound.
 //! - [`surface::decompose`](surface::decompose()): the method of the paper *A surface-based
 //!   approach for 3D approximate convex decomposition*, with the paper's parameters. It promises no
 //!   bound.
@@ -97,7 +97,8 @@
 //! # Inside
 //!
 //! Imports go down only: from the public functions to the two methods (`bounded`, `surface`), and
-//! to what these share, from `solid` down to `geometry`. `CONTRIBUTING.md` has the table.
+//! to what these share, from `solid` down to `geometry`. `CONTRIBUTING.md` in the
+//! repository has the table.
 
 #![cfg_attr(docsrs, feature(doc_cfg))]
 

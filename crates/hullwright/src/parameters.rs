@@ -80,8 +80,8 @@ pub struct Parameters {
     /// the mesh is entered by a hull by more than [`max_error`](Self::max_error). Protrusion is
     /// then how far balls are entered, or the distance from the solid where that is less; a ball
     /// that is entered by more than half its radius does not count. The uncovered distance stays
-    /// that from the mesh. `docs/probe.md` in the crate says which radius when. Not together with
-    /// `keep_cavities`.
+    /// that from the mesh. `docs/probe.md` in the repository says which radius when. Not together
+    /// with `keep_cavities`.
     pub probe_radius: Option<Length>,
     /// Where the probe starts beside the outside, in the mesh's coordinates: points of closed rooms
     /// that stay open. Limits: farther than the radius from the mesh, and outside the solid; only

@@ -1,6 +1,6 @@
 //! The convex hull against one in exact arithmetic: whole numbers of 128 bits, of which no
-//! determinant of these sets has more. `cargo test --release --test hull_reference -- --ignored`
-//! takes 100,000 sets of each kind.
+//! determinant of these sets has more. `cargo test --release --package hullwright --test
+//! hull_reference -- --ignored` takes 100,000 sets of each kind.
 
 // The unused rest is for other tests.
 #[allow(dead_code)]

@@ -32,6 +32,8 @@
 //! `IntegrationParameters::normalized_contact_recycle_distance` to 0.001 there, and damp its
 //! turning a little.
 
+#![cfg_attr(docsrs, feature(doc_cfg))]
+
 mod dispatcher;
 mod seams;
 mod shape;

@@ -182,7 +182,7 @@ pub fn collider(
 }
 
 /// Converts mass properties to Rapier's type, after the body's coordinates are multiplied by
-/// `scale` at the same density. They are computed by the crate's own
+/// `scale` at the same density. They are computed by the library's
 /// [`mass_properties`](hullwright::mass_properties()).
 ///
 /// # Errors

@@ -1,5 +1,5 @@
-//! Where there are no threads: meshes are decomposed in Web Workers, hashed by the browser, and what is
-//! made is kept in its database. `native` has the same items.
+//! Where there are no threads: meshes are decomposed in Web Workers, hashed by the browser, and
+//! what is made is kept in its database. `native` has the same items.
 
 mod database;
 mod digest;

@@ -1,5 +1,5 @@
-//! Where there are threads and files: decompositions run on threads of the plugin's own, and what they
-//! make is kept in a folder. `browser` has the same items.
+//! Where there are threads and files: decompositions run on threads of the plugin's own, and what
+//! they make is kept in a folder. `browser` has the same items.
 
 mod disk;
 

@@ -217,3 +217,118 @@ fn fill(mut outline: Vec<u32>, positions: &[Vector], triangles: &mut Vec<[u32; 3
         triangles.push([a, b, c]);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::shapes::join;
+
+    const FLATNESS: f64 = 1e-3;
+
+    /// Three triangles that cover a rectangle of 2 by 1, with a vertex in the middle of its lower
+    /// side only.
+    fn rectangle() -> CutMesh {
+        let positions = [[0, 0], [1, 0], [2, 0], [2, 1], [0, 1]];
+        let positions = positions.map(|[x, y]| [f64::from(x), f64::from(y), 0.0]).to_vec();
+        let triangles = vec![[0, 1, 4], [1, 3, 4], [1, 2, 3]];
+        CutMesh::new(TriangleMesh::new(positions, triangles), vec![5, 6, 7])
+    }
+
+    /// Four unit squares of two triangles. Vertex number is x + 3 y.
+    fn squares() -> CutMesh {
+        let positions = (0..9).map(|v| [f64::from(v % 3), f64::from(v / 3), 0.0]).collect();
+        let two = |v: u32| [[v, v + 1, v + 4], [v, v + 4, v + 3]];
+        let triangles: Vec<[u32; 3]> = [0, 1, 3, 4].into_iter().flat_map(two).collect();
+        let labels = vec![0; triangles.len()];
+        CutMesh::new(TriangleMesh::new(positions, triangles), labels)
+    }
+
+    fn areas(mesh: &TriangleMesh) -> Vec<f64> {
+        let area = |&triangle: &[u32; 3]| {
+            let [a, b, c] = mesh.corners(triangle);
+            0.5 * area_normal(a, b, c).z
+        };
+        mesh.triangles.iter().map(area).collect()
+    }
+
+    #[test]
+    fn a_cut_splits_the_triangles_that_it_crosses_and_no_others() {
+        let mut cut_mesh = rectangle();
+        cut(&mut cut_mesh, |point| point.x - 1.0, [(1, 1)].into_iter(), FLATNESS);
+        assert_eq!(cut_mesh.parents, [0, 1, 1, 2]);
+        assert_eq!(cut_mesh.labels, [5, 6, 6, 7]);
+        assert_eq!(cut_mesh.mesh.positions[5..], [[1.0, 1.0, 0.0]]);
+        assert_eq!(Vec::from_iter(cut_mesh.walls), [(1, 5)]);
+        // None is turned over, and nothing is lost.
+        let areas = areas(&cut_mesh.mesh);
+        assert!(areas.iter().all(|&area| area > 0.0));
+        assert_eq!(areas.iter().sum::<f64>(), 2.0);
+    }
+
+    #[test]
+    fn a_cut_along_edges_splits_nothing() {
+        let mut cut_mesh = squares();
+        let before = cut_mesh.mesh.clone();
+        cut(&mut cut_mesh, |point| point.x - 1.0, [(1, 4)].into_iter(), FLATNESS);
+        assert!(cut_mesh.mesh == before);
+        assert_eq!(Vec::from_iter(cut_mesh.walls), [(1, 4), (4, 7)]);
+    }
+
+    #[test]
+    fn a_cut_ends_at_an_earlier_one() {
+        let mut cut_mesh = squares();
+        cut(&mut cut_mesh, |point| point.y - 1.0, [(3, 4)].into_iter(), FLATNESS);
+        cut(&mut cut_mesh, |point| point.x - 1.0, [(1, 1)].into_iter(), FLATNESS);
+        assert_eq!(Vec::from_iter(cut_mesh.walls), [(1, 4), (3, 4), (4, 5)]);
+    }
+
+    #[test]
+    fn a_cut_stays_in_the_component_where_it_begins() {
+        let CutMesh { mesh: first, .. } = rectangle();
+        let mesh = join(&[first.clone(), first]);
+        let mut cut_mesh = CutMesh::new(mesh, vec![0; 6]);
+        cut(&mut cut_mesh, |point| point.x - 1.0, [(6, 6)].into_iter(), FLATNESS);
+        assert_eq!(cut_mesh.parents, [0, 1, 2, 3, 4, 4, 5]);
+    }
+
+    #[test]
+    fn a_vertex_within_the_flatness_is_in_the_plane() {
+        for (offset, triangles) in [(0.5 * FLATNESS, 4), (2.0 * FLATNESS, 3)] {
+            let mut cut_mesh = rectangle();
+            let height = |point: Vector| point.x - 1.0 + offset;
+            cut(&mut cut_mesh, height, [(1, 1)].into_iter(), FLATNESS);
+            assert_eq!(cut_mesh.mesh.triangles.len(), triangles);
+        }
+    }
+
+    #[test]
+    fn a_cut_runs_on_across_the_edges_between_triangles() {
+        let mut cut_mesh = rectangle();
+        cut(&mut cut_mesh, |point| point.x - point.y, [(0, 0)].into_iter(), FLATNESS);
+        assert_eq!(cut_mesh.parents, [0, 0, 1, 1, 1, 2]);
+        assert_eq!(Vec::from_iter(cut_mesh.walls), [(0, 5), (5, 6)]);
+        let areas = areas(&cut_mesh.mesh);
+        assert!(areas.iter().all(|&area| area > 0.0), "{areas:?}");
+        assert!((areas.iter().sum::<f64>() - 2.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_wall_that_is_crossed_is_two_walls() {
+        let mut walls = BTreeSet::from([(0, 3), (3, 4)]);
+        split_walls(&mut walls, &BTreeMap::from([((0, 3), 9), ((1, 2), 10)]));
+        assert_eq!(Vec::from_iter(walls), [(0, 9), (3, 4), (3, 9)]);
+    }
+
+    #[test]
+    fn a_polygon_with_vertices_on_its_sides_has_no_triangle_without_area() {
+        let outline = [[0, 0], [1, 0], [2, 0], [3, 0], [3, 3], [1, 3], [0, 3], [0, 2]];
+        let positions = outline.map(|[x, y]| Vector::new(f64::from(x), f64::from(y), 0.0));
+        let mut triangles = Vec::new();
+        fill((0..8).collect(), &positions, &mut triangles);
+        assert_eq!(triangles.len(), 6);
+        let positions = positions.map(|point| point.to_array()).to_vec();
+        let areas = areas(&TriangleMesh::new(positions, triangles));
+        assert!(areas.iter().all(|&area| area > 0.1), "{areas:?}");
+        assert_eq!(areas.iter().sum::<f64>(), 9.0);
+    }
+}

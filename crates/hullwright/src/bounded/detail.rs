@@ -108,3 +108,78 @@ impl<'a> Parts<'a> {
         closest_point_on_triangle(a, b, c).length()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bounded::fixture::{Fixture, l_prism};
+    use crate::mesh::shapes::{cuboid, uv_sphere};
+
+    /// A strip of four triangles above the x-axis.
+    fn strip() -> TriangleMesh {
+        let positions = (0..6).map(|k| [f64::from(k), f64::from(k % 2), 0.0]).collect();
+        TriangleMesh::new(positions, (0..4).map(|k| [k, k + 1, k + 2]).collect())
+    }
+
+    #[test]
+    fn a_triangle_may_have_many_parts_or_none() {
+        let mesh = strip();
+        let parts = Parts::new(&mesh, &[0, 0, 2, 2], 4);
+        let ranges = [0, 1, 2, 3].map(|triangle| parts.of(triangle));
+        assert_eq!(ranges, [0..2, 2..2, 2..4, 4..4]);
+    }
+
+    #[test]
+    fn the_closest_part_is_among_those_of_the_triangle() {
+        let mesh = strip();
+        let parts = Parts::new(&mesh, &[0, 0, 1, 1], 2);
+        let closest = |triangle, x| parts.closest(triangle, || Vector::new(x, 0.5, 1.0));
+        assert_eq!([closest(0, -1.0), closest(0, 9.0)], [0, 1]);
+        assert_eq!([closest(1, -1.0), closest(1, 9.0)], [2, 3]);
+        assert_eq!(parts.distance(3, Vector::new(4.0, 0.5, 2.0)), 2.0);
+    }
+
+    #[test]
+    fn without_detail_each_part_stands_for_the_exact_triangle_that_contains_it() {
+        for mesh in [cuboid([0.0; 3], [1.0; 3]), l_prism()] {
+            let Fixture { surfaces, patches, .. } = Fixture::new(&mesh, 0.02);
+            let Detail { owners, points } = &patches.detail;
+            assert!(points.is_empty());
+            assert_eq!(owners.len(), surfaces.exact.mesh.triangles.len());
+            for (triangle, &owner) in (0..).zip(owners) {
+                assert_eq!(patches.parents[owner as usize], triangle);
+            }
+        }
+    }
+
+    #[test]
+    fn every_exact_vertex_is_near_the_coarse_surface_or_among_the_detail_of_one_part() {
+        // A surface of so many triangles loses more detail than patches may leave out.
+        let fixture = Fixture::new(&uv_sphere(40, [0.0; 3], 1.0), 0.02);
+        let Fixture { surfaces, solids, patches, settings, .. } = &fixture;
+        let tolerance = settings.bound.tolerance();
+        assert!(surfaces.coarse.most_moved() > tolerance);
+        let detail = &patches.detail.points;
+        let parts =
+            Parts::new(&patches.surface, &patches.parents, surfaces.coarse.mesh.triangles.len());
+        let mut listed: Vec<Vector> = Vec::new();
+        for (part, points) in (0..).zip(detail) {
+            for &point in points {
+                let distance = parts.distance(part, point);
+                assert!(tolerance < distance && distance <= surfaces.coarse.most_moved());
+                listed.push(point);
+            }
+        }
+        let count = listed.len();
+        for &point in surfaces.exact.mesh.points() {
+            let closest = solids.coarse.closest(point, u32::MAX).unwrap();
+            let corners = surfaces.coarse.mesh.triangles[closest.triangle as usize];
+            let [a, b, c] = surfaces.coarse.mesh.corners(corners).map(|corner| corner - point);
+            let is_far = closest_point_on_triangle(a, b, c).length() > tolerance + 1e-9;
+            assert!(!is_far || listed.contains(&point));
+        }
+        listed.sort_by(|a, b| a.to_array().partial_cmp(&b.to_array()).unwrap());
+        listed.dedup();
+        assert!(count > 100 && listed.len() == count, "{count}");
+    }
+}

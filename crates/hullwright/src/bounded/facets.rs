@@ -310,3 +310,132 @@ fn unify_planes(mesh: &TriangleMesh, groups: &PlanarGroups, notches: &mut [Notch
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bounded::fixture::{l_prism, u_prism};
+    use crate::mesh::Normalization;
+    use crate::mesh::shapes::cuboid;
+    use crate::parameters::{Length, Parameters};
+
+    /// The mesh is divided as it is: its own unit is that of the bound.
+    fn divided(mesh: &TriangleMesh, bound: f64) -> Facets {
+        let parameters = Parameters::default().with_max_error(Length::share(bound));
+        facets(mesh, &Settings::of_preset(&parameters, &Normalization::UNIT)[0])
+    }
+
+    fn count(labels: &[u32]) -> usize {
+        let mut labels = labels.to_vec();
+        labels.sort_unstable();
+        labels.dedup();
+        labels.len()
+    }
+
+    fn area(mesh: &TriangleMesh) -> f64 {
+        let area = |&triangle: &[u32; 3]| {
+            let [a, b, c] = mesh.corners(triangle);
+            0.5 * area_normal(a, b, c).length()
+        };
+        mesh.triangles.iter().map(area).sum()
+    }
+
+    fn notches_of(mesh: &TriangleMesh, least_depth: f64) -> Vec<Notch> {
+        let adjacency = Adjacency::new(mesh);
+        let groups = planar_groups(mesh, &adjacency, 1e-3);
+        notches(mesh, &adjacency, &groups, least_depth)
+    }
+
+    #[test]
+    fn a_box_is_not_cut_and_has_a_facet_for_each_face() {
+        let mesh = cuboid([0.0; 3], [1.0, 2.0, 3.0]);
+        let Facets { mesh: cut_mesh, parents, planes, facets } = divided(&mesh, 0.02);
+        assert!(cut_mesh == mesh);
+        assert_eq!(parents, Vec::from_iter(0..12));
+        assert_eq!([count(&planes), count(&facets)], [6, 6]);
+    }
+
+    #[test]
+    fn the_notch_of_an_l_prism_is_cut_along_the_plane_of_one_of_its_faces() {
+        let mesh = l_prism();
+        let Facets { mesh: cut_mesh, parents, planes, facets } = divided(&mesh, 0.02);
+        // The plane divides both lids and one side.
+        assert_eq!([count(&planes), count(&facets)], [8, 11]);
+        assert!((area(&cut_mesh) - area(&mesh)).abs() < 1e-12);
+        assert!(parents.is_sorted() && count(&parents) == mesh.triangles.len());
+    }
+
+    #[test]
+    fn of_three_planes_at_two_notches_the_one_that_resolves_both_is_cut_along() {
+        let Facets { mesh, facets, .. } = divided(&u_prism(), 0.02);
+        // The floor of the U divides both lids in three, and the two outer sides.
+        assert_eq!(count(&facets), 10 + 2 * 2 + 2);
+        let is_at_floor = |k: usize| mesh.positions[k][1] == 1.0;
+        assert!((16..mesh.positions.len()).all(is_at_floor));
+    }
+
+    #[test]
+    fn a_notch_less_deep_than_one_and_a_half_bounds_is_not_cut() {
+        let depth = 0.5_f64.sqrt();
+        for (multiple, facets) in [(1.51, 11), (1.49, 8)] {
+            assert_eq!(count(&divided(&l_prism(), depth / multiple).facets), facets);
+        }
+    }
+
+    #[test]
+    fn a_notch_weighs_its_length_times_its_depth() {
+        assert!(notches_of(&cuboid([0.0; 3], [1.0; 3]), 0.0).is_empty());
+        let notches = notches_of(&l_prism(), 0.0);
+        let [notch] = &notches[..] else { panic!("{} notches", notches.len()) };
+        assert!((notch.weight - 0.5_f64.sqrt()).abs() < 1e-12);
+        // Vertex 3 of the outline, in both lids.
+        assert_eq!(notch.edge, (3, 9));
+        assert_eq!(notches_of(&u_prism(), 0.0).len(), 2);
+    }
+
+    #[test]
+    fn faces_in_one_plane_have_one_name_at_all_notches() {
+        // Two ridges on a plate: four notches, all beside the plane between and beside the ridges.
+        let heights = [0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0];
+        let widths = [0.0, 1.0, 1.0, 2.0, 2.0, 3.0, 3.0, 4.0, 4.0, 5.0];
+        let rows = widths.into_iter().zip(heights);
+        let positions = rows.flat_map(|(x, z)| [[x, 0.0, z], [x, 1.0, z]]).collect();
+        let strip = (0..9).flat_map(|k| {
+            let [a, b, c, d] = [2 * k, 2 * k + 2, 2 * k + 3, 2 * k + 1];
+            [[a, b, c], [a, c, d]]
+        });
+        let mesh = TriangleMesh::new(positions, strip.collect());
+        let notches = notches_of(&mesh, 0.1);
+        assert_eq!(notches.len(), 4);
+        let common = |plane| notches.iter().all(|notch| notch.planes.contains(plane));
+        assert!(notches[0].planes.iter().any(common));
+    }
+
+    #[test]
+    fn a_face_that_is_bent_by_less_than_the_flatness_is_one_group() {
+        for (bend, groups) in [(0.5e-3, 6), (0.2, 7)] {
+            let mut mesh = cuboid([0.0; 3], [1.0; 3]);
+            mesh.positions[7][2] += bend;
+            let labels = planar_groups(&mesh, &Adjacency::new(&mesh), 1e-3).labels;
+            assert_eq!(count(&labels), groups, "{bend}");
+        }
+    }
+
+    #[test]
+    fn a_sliver_is_lower_than_twice_the_flatness() {
+        let with_height = |height| [Vector::ZERO, Vector::X, Vector::new(0.4, height, 0.0)];
+        for (height, expected) in [(0.019, true), (0.021, false)] {
+            assert_eq!(is_sliver(with_height(height), height, 0.01), expected);
+        }
+    }
+
+    #[test]
+    fn components_end_at_walls_and_count_up_by_their_first_triangles() {
+        let adjacency = Adjacency::new(&cuboid([0.0; 3], [1.0; 3]));
+        assert_eq!(components(&adjacency, |_, _, _| false), [0; 12]);
+        // Two triangles to a side.
+        let is_wall = |triangle: u32, _: usize, other: u32| triangle / 2 != other / 2;
+        let sides = components(&adjacency, is_wall);
+        assert_eq!(sides, [0, 0, 1, 1, 2, 2, 3, 3, 4, 4, 5, 5]);
+    }
+}

@@ -508,4 +508,49 @@ mod tests {
         }
         assert!(sum[0] > 0.5 * sum[1], "{sum:?}");
     }
+
+    #[test]
+    fn after_each_join_one_hull_fewer_is_left_and_all_leaves_are_below() {
+        let (settings, control) =
+            (Settings::after_search(&Parameters::default(), &Normalization::UNIT), Control::new());
+        let nodes = &boxes()[..6];
+        let solid = solid_of(nodes, settings.bound.verified());
+        let leaves: Vec<(ConvexHull, f64)> =
+            nodes.iter().map(|node| (node.hull.clone(), 0.0)).collect();
+        let tree = JoinTree::new(leaves.clone(), 2, &solid, &settings, &control).unwrap();
+        assert_eq!(tree.joins(), 4);
+        for joins in 0..=4 {
+            let state = tree.state(joins);
+            assert_eq!(state.len(), 6 - joins);
+            let mut below: Vec<usize> =
+                state.iter().flat_map(|&node| tree.leaves_below(node)).collect();
+            below.sort_unstable();
+            assert_eq!(below, [0, 1, 2, 3, 4, 5]);
+        }
+        // No node is reported to protrude less than what it joins.
+        for node in &tree.nodes {
+            for part in node.joined.into_iter().flat_map(|(a, b)| [a, b]) {
+                assert!(tree.nodes[part as usize].protrusion <= node.protrusion);
+            }
+        }
+        let whole = JoinTree::new(leaves, 0, &solid, &settings, &control).unwrap();
+        assert_eq!((whole.joins(), whole.state(9).len()), (5, 1));
+    }
+
+    #[test]
+    fn a_bridge_touches_both_hulls_from_one_side() {
+        let nodes = boxes();
+        let hulls = [0, 3].map(|node: usize| nodes[node].hull.points());
+        let along = (centre(&nodes[3]) - centre(&nodes[0])).normalize();
+        let across = along.cross(Vector::Z).normalize();
+        let (normal, ends) = bridge(hulls, across, along).unwrap();
+        assert!((normal.length() - 1.0).abs() < 1e-12);
+        let height = normal.dot(ends[0]);
+        assert!((normal.dot(ends[1]) - height).abs() < 1e-9);
+        for points in hulls {
+            assert!(support(points, normal).1 <= height + 1e-9);
+        }
+        // One hull beyond the other has none.
+        assert!(bridge([hulls[1], hulls[0]], across, along).is_none());
+    }
 }

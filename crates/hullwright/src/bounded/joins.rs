@@ -118,4 +118,21 @@ mod tests {
         assert_eq!(pairs, [(1, 4), (0, 1)]);
         assert!(queue.pop().is_none());
     }
+
+    #[test]
+    fn boxes_are_near_if_no_axis_has_a_wider_gap_between_them() {
+        let unit = [Vector::ZERO, Vector::ONE];
+        let beside = |x: f64, y: f64| unit.map(|corner| corner + Vector::new(x, y, 0.0));
+        for (x, y, expected) in
+            [(1.1, 0.0, true), (1.1, 1.1, true), (1.3, 0.0, false), (0.5, -1.3, false)]
+        {
+            assert_eq!(are_near(unit, beside(x, y), 0.2), expected, "{x}, {y}");
+            assert_eq!(are_near(beside(x, y), unit, 0.2), expected, "{x}, {y}");
+        }
+    }
+
+    #[test]
+    fn a_pair_is_the_same_either_way_round() {
+        assert_eq!([ordered(3, 5), ordered(5, 3)], [(3, 5); 2]);
+    }
 }

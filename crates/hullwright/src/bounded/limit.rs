@@ -93,3 +93,88 @@ impl BoundBracket {
         (self.searches.saturating_sub(1) as f32 + share) / SEARCHES as f32
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bounded::fixture::{Fixture, cubes};
+
+    /// Three unit cubes, the last two of which are nearer to each other.
+    const AT: [f64; 3] = [0.0, 2.2, 3.5];
+
+    fn owned_by(hulls: &[FinalHull]) -> Vec<Vec<u32>> {
+        hulls.iter().map(|hull| hull.owned.patches.iter().collect()).collect()
+    }
+
+    #[test]
+    fn no_hulls_join_within_the_limit() {
+        let fixture = Fixture::new(&cubes(AT), 0.02);
+        let hulls = fixture.hulls_of_patches();
+        for most in [3, 4] {
+            let limited = limit_hulls(&fixture.search(), &hulls, most).unwrap();
+            assert_eq!(owned_by(&limited), owned_by(&hulls));
+        }
+    }
+
+    #[test]
+    fn the_hulls_with_the_narrowest_gap_between_them_join_first() {
+        let fixture = Fixture::new(&cubes(AT), 0.02);
+        let hulls = fixture.hulls_of_patches();
+        let limited = limit_hulls(&fixture.search(), &hulls, 2).unwrap();
+        let is_at = |hull: &FinalHull, at: f64| {
+            let low = hull.hull.points().iter().map(|point| point.x).fold(f64::INFINITY, f64::min);
+            let low = low * fixture.prepared.normalization.diagonal;
+            (low + fixture.prepared.normalization.centre.x - at).abs() < 1e-9
+        };
+        let [single, joint] = &limited[..] else { panic!("{} hulls", limited.len()) };
+        assert!(is_at(single, AT[0]) && is_at(joint, AT[1]));
+        assert_eq!(joint.owned.patches.count(), 2);
+        // The middle of the gap is farthest from the solid.
+        let half = 0.15 / fixture.prepared.normalization.diagonal;
+        assert!(half <= joint.protrusion && joint.protrusion < 1.1 * half);
+        assert_eq!(single.protrusion, 0.0);
+    }
+
+    #[test]
+    fn one_hull_owns_what_all_owned_and_has_the_largest_of_their_errors() {
+        let fixture = Fixture::new(&cubes(AT), 0.02);
+        let mut hulls = fixture.hulls_of_patches();
+        (hulls[1].uncovered, hulls[2].simplification_growth) = (0.003, 0.004);
+        let limited = limit_hulls(&fixture.search(), &hulls, 1).unwrap();
+        assert_eq!(owned_by(&limited), [[0, 1, 2]]);
+        assert_eq!(limited[0].uncovered, 0.003);
+        assert_eq!(limited[0].simplification_growth, 0.004);
+        assert_eq!(limited[0].component, hulls[0].component);
+    }
+
+    #[test]
+    fn no_search_follows_where_less_than_one_percent_is_to_gain() {
+        assert_eq!(BoundBracket::new(0.02).next_bound(0.0201), None);
+        assert!(BoundBracket::new(0.02).next_bound(0.0203).is_some());
+    }
+
+    #[test]
+    fn at_most_four_searches_follow() {
+        let mut bounds = BoundBracket::new(0.02);
+        for _ in 0..4 {
+            assert!(bounds.next_bound(0.3).is_some());
+        }
+        assert_eq!(bounds.next_bound(0.3), None);
+        assert_eq!(bounds.progress(1.0), 1.0);
+    }
+
+    #[test]
+    fn each_bound_is_between_the_largest_refused_one_and_the_least_error() {
+        let mut bounds = BoundBracket::new(0.001);
+        let error = 0.3;
+        let first = bounds.next_bound(error).unwrap();
+        // Far from the error all of three searches might be refused.
+        assert_eq!(first, 0.85 * error);
+        bounds.refuse(first);
+        let second = bounds.next_bound(error).unwrap();
+        assert!(first < second && second < error);
+        // A smaller bound that ends with too many hulls changes nothing.
+        bounds.refuse(0.01);
+        assert_eq!(bounds.next_bound(error), Some(second));
+    }
+}

@@ -201,3 +201,105 @@ impl<'a> Merging<'a> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bounded::fixture::{Fixture, cubes, l_prism, times_in, u_prism};
+    use crate::mesh::shapes::{cuboid, torus};
+
+    fn merged(fixture: &Fixture) -> Vec<Piece> {
+        merge(&fixture.search()).unwrap()
+    }
+
+    #[test]
+    fn a_box_is_one_piece() {
+        assert_eq!(merged(&Fixture::new(&cuboid([0.0; 3], [1.0, 2.0, 3.0]), 0.02)).len(), 1);
+    }
+
+    #[test]
+    fn boxes_apart_never_merge() {
+        assert_eq!(merged(&Fixture::new(&cubes([0.0, 1.5, 3.0]), 0.02)).len(), 3);
+    }
+
+    #[test]
+    fn boxes_with_a_crack_between_them_merge() {
+        // Not neighbours: the second round joins them.
+        let fixture = Fixture::new(&cubes([0.0, 1.02, 2.04]), 0.02);
+        assert!(fixture.patches.neighbours.is_empty());
+        assert_eq!(merged(&fixture).len(), 1);
+    }
+
+    #[test]
+    fn pieces_farther_apart_than_the_widest_gap_are_no_candidates() {
+        // The joint hull would fit: no point of it is farther from a cube than half the gap.
+        let gap = 0.06;
+        let fixture = Fixture::new(&cubes([0.0, 1.0 + gap]), 0.02);
+        let bound = fixture.settings.bound.search();
+        let gap = gap / fixture.prepared.normalization.diagonal;
+        assert!(bound < gap && 0.5 * gap < bound);
+        assert_eq!(merged(&fixture).len(), 2);
+    }
+
+    #[test]
+    fn prisms_have_a_piece_for_each_convex_part() {
+        for (mesh, parts) in [(l_prism(), 2), (u_prism(), 3)] {
+            assert_eq!(merged(&Fixture::new(&mesh, 0.02)).len(), parts);
+        }
+    }
+
+    #[test]
+    fn each_patch_is_in_one_piece_and_each_piece_fits() {
+        for mesh in [l_prism(), u_prism(), torus(24, 12)] {
+            let fixture = Fixture::new(&mesh, 0.03);
+            let pieces = merged(&fixture);
+            let count = fixture.patches.count();
+            assert!(pieces.len() < count);
+            assert_eq!(times_in(count, pieces.iter().map(|piece| &piece.patches)), vec![1; count]);
+            let bound = fixture.settings.bound.search();
+            let mut tester = FitTester::new(&fixture.solids.coarse, bound);
+            assert!(pieces.iter().all(|piece| tester.fits(&piece.hull, false)));
+        }
+    }
+
+    #[test]
+    fn no_piece_contains_a_conflict() {
+        let fixture = Fixture::new(&torus(24, 12), 0.03);
+        let conflicts = &fixture.patches.conflicts;
+        assert!(conflicts.iter().any(|conflicts| !conflicts.is_empty()));
+        for Piece { patches, .. } in merged(&fixture) {
+            assert!(patches.iter().all(|patch| !conflicts[patch as usize].intersects(&patches)));
+        }
+    }
+
+    #[test]
+    fn a_pair_costs_the_share_of_its_joint_hull_that_it_adds() {
+        let fixture = Fixture::new(&cubes([0.0, 1.25]), 0.5);
+        let merging = Merging::new(&fixture.search()).unwrap();
+        let (cost, joint) = merging.evaluated((0, 1)).unwrap();
+        assert!((cost - 0.25 / 2.25).abs() < 1e-6, "{cost}");
+        assert!(joint.only_new);
+    }
+
+    #[test]
+    fn a_pair_with_a_conflict_has_no_cost() {
+        let fixture = Fixture::new(&cubes([0.0, 3.0]), 0.02);
+        assert!(fixture.patches.conflicts[0].contains(1));
+        assert!(Merging::new(&fixture.search()).unwrap().evaluated((0, 1)).is_none());
+    }
+
+    #[test]
+    fn what_refuses_a_piece_refuses_the_one_that_it_has_joined() {
+        let fixture = Fixture::new(&cubes([0.0, 1.02, 2.5]), 0.02);
+        let mut merging = Merging::new(&fixture.search()).unwrap();
+        for (a, b) in [(0, 1), (1, 2)] {
+            merging.link(a, b, 0.0);
+        }
+        merging.refused.insert((1, 2));
+        let (_, joint) = merging.evaluated((0, 1)).unwrap();
+        merging.join((0, 1), joint.hull);
+        assert!(merging.refused.contains(&(2, 3)) && merging.queue.pop().is_none());
+        assert!(merging.pieces[0].is_none() && merging.pieces[1].is_none());
+        assert_eq!(merging.pieces[3].as_ref().unwrap().patches, fixture.set([0, 1]));
+    }
+}

@@ -30,6 +30,8 @@ pub(crate) mod deadline;
 mod detail;
 mod facets;
 pub(crate) mod finalize;
+#[cfg(test)]
+mod fixture;
 pub(crate) mod join_tree;
 mod joins;
 pub(crate) mod limit;

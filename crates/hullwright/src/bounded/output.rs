@@ -161,3 +161,92 @@ pub(super) fn normalized(
     let protrusion = errors.protrusion_max.map(|protrusion| protrusion / normalization.diagonal);
     Ok((ConvexHull { points, triangles: shape.triangles.clone() }, protrusion))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bounded::fixture::{Fixture, cubes};
+    use crate::geometry::vector::Vector;
+    use crate::hull::convex_hull;
+    use crate::mesh::shapes::cuboid;
+
+    fn cube() -> ConvexHull {
+        convex_hull(&cuboid([-0.2; 3], [0.3; 3]).positions).unwrap()
+    }
+
+    fn normalization() -> Normalization {
+        Normalization { centre: Vector::new(5.0, -7.0, 100.0), diagonal: 8.0 }
+    }
+
+    fn restored(hull: &ConvexHull) -> Hull {
+        let made = NormalizedHull {
+            hull,
+            component: 3,
+            source_triangles: vec![7, 2, 7, 5, 2],
+            added_thickness: 0.25,
+            simplification_growth: 0.5,
+            protrusion: 0.125,
+        };
+        made.restored(&normalization())
+    }
+
+    #[test]
+    fn errors_of_a_hull_are_in_units() {
+        let errors = restored(&cube()).errors;
+        assert_eq!(errors.added_thickness, 2.0);
+        assert_eq!(errors.simplification_growth, 4.0);
+        assert_eq!(errors.protrusion_max, Some(1.0));
+    }
+
+    #[test]
+    fn source_triangles_ascend_and_are_named_once() {
+        let Provenance { component, source_triangles } = restored(&cube()).provenance;
+        assert_eq!((component, source_triangles), (3, vec![2, 5, 7]));
+    }
+
+    #[test]
+    fn a_hull_in_units_becomes_the_one_that_it_was_made_from() {
+        let hull = cube();
+        let (again, protrusion) = normalized(&restored(&hull), 0, &normalization()).unwrap();
+        assert_eq!(protrusion, Some(0.125));
+        assert_eq!(again.triangles, hull.triangles);
+        for (a, b) in again.points().iter().zip(hull.points()) {
+            assert!(a.distance(*b) < 1e-12);
+        }
+    }
+
+    #[test]
+    fn a_hull_with_a_triangle_that_names_no_point_is_refused_by_its_place() {
+        let mut hull = restored(&cube());
+        hull.shape.triangles[1][2] = hull.shape.points.len() as u32;
+        let refused = normalized(&hull, 4, &normalization()).err();
+        assert!(matches!(refused, Some(Error::UnusableHull { hull: 4, .. })), "{refused:?}");
+    }
+
+    #[test]
+    fn a_result_names_for_each_triangle_the_hull_of_its_component() {
+        let fixture = Fixture::new(&cubes([0.0, 3.0]), 0.02);
+        let mut hulls = fixture.hulls_of_patches();
+        hulls[1].protrusion = 0.001;
+        let found = FinalHulls { hulls, uncovered: 0.002, without_vertex_limit: 2 };
+        let Fixture { prepared, surfaces, patches, .. } = &fixture;
+        let result = BoundedResult::new((prepared, surfaces), patches, &found, 0.02, None);
+        let [left, right] = &result.hulls[..] else { panic!("{} hulls", result.hulls.len()) };
+        // The first twelve triangles of the mesh are those of the left cube.
+        assert_eq!(left.provenance.source_triangles, Vec::from_iter(0..12));
+        assert_eq!(right.provenance.source_triangles, Vec::from_iter(12..24));
+        let GroupedMesh { positions, triangles, groups } = &result.grouped;
+        assert_eq!([triangles.len(), groups.len()], [24; 2]);
+        for (corners, &group) in triangles.iter().zip(groups) {
+            assert!(corners.iter().all(|&v| (positions[v as usize][0] > 2.0) == (group == 1)));
+        }
+        let report = &result.report;
+        let diagonal = 18.0_f64.sqrt();
+        for (value, fraction) in
+            [(report.bound, 0.02), (report.protrusion_max, 0.001), (report.uncovered_max, 0.002)]
+        {
+            assert!((value - fraction * diagonal).abs() < 1e-12, "{value}");
+        }
+        assert_eq!([report.patches, report.polygons], [2, 24]);
+    }
+}

@@ -179,3 +179,83 @@ impl Piece {
         Self { patches: set.clone(), hull, vertices: Vec::new(), inner_points: Vec::new() }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bounded::fixture::{Fixture, cubes, l_prism};
+
+    /// More than a word of bits has.
+    const COUNT: usize = 70;
+
+    fn set(members: impl IntoIterator<Item = u32>) -> PatchSet {
+        PatchSet::new(COUNT, members)
+    }
+
+    #[test]
+    fn a_set_lists_each_member_once_and_ascending() {
+        let mut some = set([69, 3, 64, 3, 0]);
+        assert_eq!(some.iter().collect::<Vec<u32>>(), [0, 3, 64, 69]);
+        assert_eq!(some.count(), 4);
+        some.remove(64);
+        assert!(!some.contains(64) && some.contains(69) && !some.is_empty());
+        assert!(PatchSet::empty(COUNT).is_empty());
+    }
+
+    #[test]
+    fn sets_unite_intersect_and_differ_as_their_members_do() {
+        let is_even = |patch: &u32| patch.is_multiple_of(2);
+        let is_third = |patch: &u32| patch.is_multiple_of(3);
+        let (even, thirds) = (set((0..70).filter(is_even)), set((0..70).filter(is_third)));
+        let changed = |change: fn(&mut PatchSet, &PatchSet)| {
+            let mut changed = even.clone();
+            change(&mut changed, &thirds);
+            changed
+        };
+        let expected = |keep: fn(bool, bool) -> bool| {
+            set((0..70).filter(|patch| keep(is_even(patch), is_third(patch))))
+        };
+        assert_eq!(changed(PatchSet::union_with), expected(|a, b| a || b));
+        assert_eq!(changed(PatchSet::intersect_with), expected(|a, b| a && b));
+        assert_eq!(changed(PatchSet::difference_with), expected(|a, b| a && !b));
+    }
+
+    #[test]
+    fn sets_intersect_if_they_share_a_member() {
+        let (some, others) = (set([1, 66]), set([2, 65]));
+        assert!(!some.intersects(&others) && !some.intersects(&PatchSet::empty(COUNT)));
+        assert!(some.intersects(&set([66])) && set([66]).intersects(&some));
+    }
+
+    #[test]
+    fn two_points_that_are_far_apart_are_ends_of_a_row() {
+        let row: Vec<Vector> = [4.0, 7.0, 0.0, 9.0, 2.0].map(|x| Vector::new(x, 0.0, 0.0)).to_vec();
+        assert_eq!(far_pair(&row).iter().map(|point| point.x).collect::<Vec<f64>>(), [9.0, 0.0]);
+        assert!(far_pair(&[]).is_empty());
+    }
+
+    #[test]
+    fn a_patch_has_the_box_of_its_points() {
+        let mut patch = Patch::default();
+        patch.set_points(vec![Vector::new(1.0, 5.0, -1.0), Vector::new(2.0, 3.0, 0.0)]);
+        assert_eq!(patch.min, Vector::new(1.0, 3.0, -1.0));
+        assert_eq!(patch.max, Vector::new(2.0, 5.0, 0.0));
+        assert_eq!(patch.representatives.len(), 2);
+    }
+
+    #[test]
+    fn a_piece_has_the_hull_of_all_its_patches() {
+        let fixture = Fixture::new(&cubes([0.0, 2.0]), 0.02);
+        let unit = fixture.prepared.normalization.diagonal.powi(-3);
+        for (members, volume) in [(vec![0], 1.0), (vec![1], 1.0), (vec![0, 1], 3.0)] {
+            let piece = fixture.piece(members.iter().copied());
+            assert!((piece.hull.volume / unit - volume).abs() < 1e-3, "{}", piece.hull.volume);
+            assert_eq!(piece.patches.iter().collect::<Vec<u32>>(), members);
+        }
+        let fixture = Fixture::new(&l_prism(), 0.02);
+        let whole = fixture.piece(0..fixture.patches.count() as u32);
+        assert!((whole.hull.volume * 27.0 - 3.5).abs() < 1e-3, "{}", whole.hull.volume);
+        // The surface is closed.
+        assert!(whole.hull.outward.length() < 1e-12);
+    }
+}

@@ -235,9 +235,10 @@ fn each_itself(surface: &TriangleMesh) -> Vec<Vec<u32>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::bounded::fixture::{Fixture, cubes};
     use crate::mesh::canonical_order::MeshOrder;
     use crate::mesh::repair::{Normalization, prepare};
-    use crate::mesh::shapes::uv_sphere;
+    use crate::mesh::shapes::{cuboid, uv_sphere};
     use crate::parameters::Parameters;
 
     /// A sphere each of whose triangles is by itself, a thousandth smaller.
@@ -272,5 +273,62 @@ mod tests {
             // All of the source is represented.
             assert_eq!(divided.represented.concat().len(), divided.surface.triangles.len());
         }
+    }
+
+    #[test]
+    fn a_surface_of_few_triangles_is_divided_as_it_is() {
+        let fixture = Fixture::new(&cuboid([0.0; 3], [1.0; 3]), 0.02);
+        let divided =
+            PatchMesh::new(&fixture.surfaces.coarse, &fixture.settings, &fixture.control).unwrap();
+        assert!(divided.mesh == fixture.surfaces.coarse.mesh && divided.mesh == divided.surface);
+        assert_eq!(divided.components, [0; 12]);
+        assert_eq!(divided.represented, each_itself(&divided.surface));
+        assert_eq!(divided.planes.len(), 12);
+    }
+
+    #[test]
+    fn a_surface_of_many_triangles_is_divided_through_fewer_that_represent_all_of_it() {
+        // Its coarse surface under so small a bound has more triangles than are divided.
+        let fixture = Fixture::new(&uv_sphere(44, [0.0; 3], 1.0), 0.002);
+        let Fixture { surfaces, settings, control, .. } = &fixture;
+        assert!(surfaces.coarse.mesh.triangles.len() > COARSE);
+        let divided = PatchMesh::new(&surfaces.coarse, settings, control).unwrap();
+        assert!(divided.mesh.triangles.len() < divided.surface.triangles.len());
+        assert!(divided.planes.is_empty());
+        let mut represented = divided.represented.concat();
+        represented.sort_unstable();
+        assert_eq!(represented, Vec::from_iter(0..divided.surface.triangles.len() as u32));
+    }
+
+    #[test]
+    fn a_patch_has_the_area_and_the_outward_side_of_its_triangles() {
+        let fixture = Fixture::new(&cuboid([0.0; 3], [1.0; 3]), 0.02);
+        let Fixture { surfaces, settings, control, .. } = &fixture;
+        let divided = PatchMesh::new(&surfaces.coarse, settings, control).unwrap();
+        let face: Vec<u32> = (0..12).filter(|&triangle| divided.normal(triangle).z > 0.0).collect();
+        let patch = divided.patch(&face, &mut HullBuilder::new());
+        assert!((patch.area - 1.0 / 3.0).abs() < 1e-12);
+        assert!(patch.outward.distance(Vector::Z * (2.0 / 3.0)) < 1e-12);
+        assert_eq!(patch.triangles, face);
+        // The centre of the face is one of the points by which others see it.
+        let top = 0.5 / 3.0_f64.sqrt();
+        let is_centre = |point: &&Vector| point.distance(Vector::Z * top) < 1e-9;
+        assert_eq!(patch.representatives.iter().filter(is_centre).count(), 1);
+    }
+
+    #[test]
+    fn vertices_in_one_cell_are_welded_and_join_components() {
+        let gap = 0.01;
+        let mesh = cubes([0.1, 1.1 + gap]);
+        let components: Vec<u32> = (0..24).map(|triangle| triangle / 12).collect();
+        for (size, expected) in [(0.5 * gap, 2), (0.5, 1)] {
+            let (welded, components) = welded(&mesh, &components, size);
+            assert_eq!(welded.triangles.len(), 24);
+            let mut components = components;
+            components.dedup();
+            assert_eq!(components.len(), expected, "{size}");
+        }
+        // What is smaller than a cell vanishes.
+        assert!(super::welded(&mesh, &components, 10.0).0.triangles.is_empty());
     }
 }

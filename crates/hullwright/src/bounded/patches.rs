@@ -411,9 +411,11 @@ fn principal_axis(covariance: [Vector; 3]) -> Vector {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::bounded::fixture::{Fixture, cubes, l_prism, u_prism};
     use crate::geometry::vector::as_vectors;
     use crate::mesh::TriangleMesh;
-    use crate::mesh::shapes::{cuboid, join};
+    use crate::mesh::shapes::{cuboid, join, torus};
+    use crate::parameters::{Parameters, Preset};
     use crate::solid::Boundary;
 
     const BOUND: f64 = 0.02;
@@ -459,5 +461,105 @@ mod tests {
         let seeds = vec![vec![0, 1, 12], vec![2, 3], vec![13]];
         let expected = [vec![2, 3], vec![13], vec![0], vec![1], vec![12]];
         assert_eq!(agreeing(&conflicts, seeds), expected);
+    }
+
+    #[test]
+    fn each_convex_component_is_one_patch() {
+        let fixture = Fixture::new(&cubes([0.0, 2.0, 4.0]), 0.02);
+        assert_eq!(fixture.patches.count(), 3);
+        assert_eq!(fixture.patches.seeds, [[0], [1], [2]]);
+    }
+
+    #[test]
+    fn each_triangle_has_one_patch_and_each_patch_fits() {
+        for mesh in [l_prism(), u_prism(), torus(24, 12)] {
+            let fixture = Fixture::new(&mesh, 0.02);
+            let Patches { patches, labels, surface, seeds, .. } = &fixture.patches;
+            let mut triangles: Vec<u32> =
+                patches.iter().flat_map(|patch| patch.triangles.clone()).collect();
+            triangles.sort_unstable();
+            assert_eq!(triangles, Vec::from_iter(0..surface.triangles.len() as u32));
+            for (label, patch) in (0..).zip(patches) {
+                assert!(patch.triangles.iter().all(|&triangle| labels[triangle as usize] == label));
+            }
+            let bound = fixture.settings.bound.search();
+            let mut tester = FitTester::new(&fixture.solids.coarse, bound);
+            let fits =
+                |seed: &Vec<u32>| tester.fits(&fixture.piece(seed.iter().copied()).hull, false);
+            assert!(seeds.iter().all(fits));
+            let mut members = seeds.concat();
+            members.sort_unstable();
+            assert_eq!(members, Vec::from_iter(0..patches.len() as u32));
+        }
+    }
+
+    #[test]
+    fn patches_of_a_prism_end_at_its_cut() {
+        let fixture = Fixture::new(&l_prism(), 0.02);
+        let Patches { patches, .. } = &fixture.patches;
+        let diagonal = fixture.prepared.normalization.diagonal;
+        // No patch is on both sides of both planes at the notch, which is in the middle.
+        for patch in patches {
+            let is_across = |k: usize| patch.min[k] < -1e-9 && patch.max[k] > 1e-9;
+            assert!(!(is_across(0) && is_across(1)), "{}", patch.max * diagonal);
+        }
+    }
+
+    #[test]
+    fn a_larger_patch_size_makes_fewer_patches() {
+        let mesh = torus(24, 12);
+        let count = |preset| {
+            let parameters = Parameters::default().with_preset(preset);
+            Fixture::with(&mesh, &parameters).patches.count()
+        };
+        assert!(2 * count(Preset::Fast) < count(Preset::Balanced));
+    }
+
+    #[test]
+    fn neighbours_share_an_edge() {
+        // A square of two triangles to a patch, on each side of a cube.
+        let labels: Vec<u32> = (0..12).map(|triangle| triangle / 2).collect();
+        let neighbours = neighbours(&Adjacency::new(&cuboid([0.0; 3], [1.0; 3])), &labels);
+        // All but the three pairs of opposite sides.
+        assert_eq!(neighbours.len(), 15 - 3);
+        assert!(neighbours.iter().all(|&(a, b)| a < b) && neighbours.is_sorted());
+    }
+
+    #[test]
+    fn triangles_are_halved_across_their_longest_axis() {
+        let fixture = Fixture::new(&torus(24, 12), 0.02);
+        let mesh =
+            &PatchMesh::new(&fixture.surfaces.coarse, &fixture.settings, &fixture.control).unwrap();
+        let all: Vec<u32> = (0..mesh.mesh.triangles.len() as u32)
+            .filter(|&triangle| mesh.corners(triangle).iter().all(|corner| corner.x > 0.1))
+            .collect();
+        // This part of the ring is longest along y.
+        let (first, second) = halves(mesh, &all);
+        assert_eq!(first.len() + second.len(), all.len());
+        let side = |half: &[u32]| mesh.centre_of(half).y.signum();
+        assert!(side(&first) != side(&second));
+    }
+
+    #[test]
+    fn of_two_triangles_at_one_place_each_is_a_half() {
+        let positions = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+        let mesh = TriangleMesh::new(positions, vec![[0, 1, 2], [0, 2, 1]]);
+        let mesh = PatchMesh {
+            surface: mesh.clone(),
+            mesh,
+            components: vec![0; 2],
+            parents: vec![0, 1],
+            represented: vec![vec![0], vec![1]],
+            facets: vec![0, 1],
+            planes: Vec::new(),
+        };
+        assert_eq!(halves(&mesh, &[0, 1]), (vec![0], vec![1]));
+    }
+
+    #[test]
+    fn the_principal_axis_is_that_of_the_greatest_variance() {
+        let covariance = [Vector::X, Vector::Y * 9.0, Vector::Z * 4.0];
+        assert!(principal_axis(covariance).distance(Vector::Y) < 1e-6);
+        assert_eq!(principal_axis([Vector::ZERO; 3]), POWER_START);
     }
 }

@@ -265,3 +265,127 @@ impl Settings {
         Self { bound, given_up_above: self.max_hulls, ..self.clone() }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn of(parameters: &Parameters) -> Settings {
+        Settings::of_preset(parameters, &Normalization::UNIT)[0].clone()
+    }
+
+    fn with_share(share: f64) -> Settings {
+        of(&Parameters::default().with_max_error(Length::share(share)))
+    }
+
+    #[test]
+    fn a_bound_is_at_least_what_hulls_can_keep_and_at_most_half_the_diagonal() {
+        for (share, bound) in [(1e-9, 1e-5), (0.02, 0.02), (3.0, 0.5)] {
+            assert_eq!(with_share(share).bound.verified(), bound);
+            assert_eq!(with_share(share).bound.requested(), bound);
+        }
+    }
+
+    #[test]
+    fn a_bound_in_units_is_divided_by_the_diagonal() {
+        let normalization = Normalization { diagonal: 4.0, ..Normalization::UNIT };
+        let parameters = Parameters::default().with_max_error(Length::units(0.2));
+        for settings in Settings::of_preset(&parameters, &normalization) {
+            assert_eq!(settings.bound.verified(), 0.05);
+        }
+    }
+
+    #[test]
+    fn a_search_keeps_less_than_the_bound_and_its_last_round_is_in_between() {
+        for triangles in [COARSE, COARSE + 1] {
+            let bound = with_share(0.02).for_surface(triangles).bound;
+            assert!(bound.search() < bound.last_round() && bound.last_round() < bound.verified());
+        }
+    }
+
+    #[test]
+    fn a_surface_of_more_triangles_may_lose_more_detail() {
+        let coarse = |triangles| with_share(0.02).for_surface(triangles).bound.coarse();
+        assert_eq!(coarse(COARSE), coarse(12));
+        assert!(5.0 * coarse(COARSE) < coarse(COARSE + 1));
+    }
+
+    #[test]
+    fn what_a_patch_leaves_out_is_less_than_what_a_hull_may_leave_uncovered() {
+        let bound = with_share(0.02).bound;
+        assert!(bound.exact() < bound.tolerance());
+        assert!(bound.tolerance() < bound.max_uncovered());
+        assert!(bound.max_uncovered() < bound.max_uncovered_under_limit());
+        assert!(bound.max_uncovered_under_limit() < bound.requested());
+    }
+
+    #[test]
+    fn under_a_larger_bound_hulls_protrude_more_and_no_more_stays_uncovered() {
+        let settings = with_share(0.02).for_surface(12);
+        let larger = settings.with_bound(0.1).bound;
+        assert_eq!(larger.verified(), 0.1);
+        assert!((larger.search() - 5.0 * settings.bound.search()).abs() < 1e-12);
+        let unchanged = [
+            Bound::requested,
+            Bound::exact,
+            Bound::tolerance,
+            Bound::max_uncovered,
+            Bound::max_uncovered_under_limit,
+        ];
+        for length in unchanged {
+            assert_eq!(length(larger), length(settings.bound));
+        }
+    }
+
+    #[test]
+    fn only_a_search_for_the_limit_on_hulls_is_given_up_and_only_above_it() {
+        let settings = of(&Parameters::default().with_max_hulls(4));
+        assert!(!settings.gives_up(1000));
+        let repeated = settings.with_bound(0.03);
+        assert!(!repeated.gives_up(4) && repeated.gives_up(5));
+        assert!(!with_share(0.02).with_bound(0.03).gives_up(1000));
+    }
+
+    #[test]
+    fn a_ball_on_both_edges_of_the_widest_gap_sinks_in_by_the_bound() {
+        let bound = 0.02;
+        assert_eq!(with_share(bound).widest_gap(bound), bound);
+        let with_probe =
+            |radius| of(&Parameters::default().with_probe_radius(Length::share(radius)));
+        for radius in [0.05, 0.3] {
+            let half = 0.5 * with_probe(radius).widest_gap(bound);
+            let sunk = radius - (radius * radius - half * half).sqrt();
+            assert!((sunk - bound).abs() < 1e-12, "{sunk}");
+        }
+        // A ball that is smaller than the bound falls through a gap of its own width.
+        assert_eq!(with_probe(0.015).widest_gap(bound), 0.03);
+        assert_eq!(with_probe(0.005).widest_gap(bound), bound);
+    }
+
+    #[test]
+    fn edges_of_the_mesh_to_divide_follow_the_bound_within_limits() {
+        let longest = [0.001, 0.02, 0.2].map(|share| with_share(share).bound.longest_edge());
+        assert_eq!(longest, [0.04, 0.08, 0.16]);
+    }
+
+    #[test]
+    fn a_hurried_search_has_the_patches_of_the_fastest_preset() {
+        let fast = of(&Parameters::default().with_preset(Preset::Fast));
+        let hurried = of(&Parameters::default().with_preset(Preset::Fine)).hurried();
+        assert_eq!(hurried.patch_size, fast.patch_size);
+        assert_eq!(hurried.dissolve_attempts, 0);
+    }
+
+    #[test]
+    fn the_finest_preset_first_does_what_the_balanced_one_does() {
+        let passes = |preset| {
+            Settings::of_preset(&Parameters::default().with_preset(preset), &Normalization::UNIT)
+        };
+        let sizes = |passes: &[Settings]| -> Vec<(f64, usize)> {
+            passes.iter().map(|pass| (pass.patch_size, pass.triangles)).collect()
+        };
+        let (fine, balanced) = (passes(Preset::Fine), passes(Preset::Balanced));
+        assert_eq!(sizes(&fine[..1]), sizes(&balanced));
+        assert!(fine.len() > 1);
+    }
+}

@@ -1,4 +1,5 @@
-//! Cells over a box: how large they are, and blocks of them that are allocated when they are needed.
+//! Cells over a box: how large they are, and blocks of them that are allocated when they are
+//! needed.
 
 use std::sync::OnceLock;
 

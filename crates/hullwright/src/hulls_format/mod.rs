@@ -25,8 +25,8 @@
 //! | number of hulls | `u32` |
 //! | per hull: component `u32`; volume, added thickness, simplification growth `f64`; verified protrusion, optional `f64`; number of points, number of triangles `u32`; points; triangles | |
 //!
-//! A `.hullscene` file ([`HullScene`], feature `bake`) holds all meshes of a scene. It has the same
-//! header with other first bytes (`89 48 55 4C 53 43 0D 0A`) and this body:
+//! A `.hullscene` file ([`HullScene`], feature `scene`) holds all meshes of a scene. It has the
+//! same header with other first bytes (`89 48 55 4C 53 43 0D 0A`) and this body:
 //!
 //! | what | type |
 //! |---|---|

@@ -78,7 +78,7 @@ const LEAST_VOLUME: f64 = 1e-9;
 /// what they were computed from: the closed mesh, its overlaps counted once; else the union of the
 /// hulls; without hulls, the mesh's convex hull. O(triangles log triangles).
 ///
-/// With the feature `rapier`, `rapier::mass_properties` converts the result to Rapier's type.
+/// `hullwright_rapier::mass_properties` converts the result to Rapier's type.
 ///
 /// # Errors
 /// As [`decompose`](crate::decompose) for a mesh without any usable triangle, and

@@ -102,8 +102,8 @@ impl std::fmt::Debug for MeasuredMesh {
 }
 
 impl MeasuredMesh {
-    /// Repairs a mesh and closes its openings, as [`close_openings`](crate::openings::close_openings). O(n
-    /// log n).
+    /// Repairs a mesh and closes its openings, as
+    /// [`close_openings`](crate::openings::close_openings). O(n log n).
     ///
     /// # Errors
     /// As [`close_openings`](crate::openings::close_openings).

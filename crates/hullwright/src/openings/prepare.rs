@@ -243,7 +243,8 @@ pub struct ClosedMesh {
 /// As [`inspect`](crate::inspect::inspect()), and [`Error::Cancelled`].
 ///
 /// ```
-/// use hullwright::{Control, MeshView, Parameters, close_openings};
+/// use hullwright::openings::close_openings;
+/// use hullwright::{Control, MeshView, Parameters};
 ///
 /// // Three sides of a tetrahedron: the fourth is a flat opening.
 /// let positions = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];

@@ -1,5 +1,5 @@
 //! The paper's method: *A surface-based approach for 3D approximate convex decomposition*.
-//! `docs/paper.md` in the crate compares results, and says what was read into the paper.
+//! `docs/paper.md` in the repository compares results, and says what was read into the paper.
 //!
 //! The surface is simplified to several resolutions. At each it is divided into nearly convex
 //! groups under several thresholds, of which the concavity cost selects one. The hulls of its

@@ -72,7 +72,7 @@ test("a glTF finds its buffer among several files, below its folder, with escape
 
 test("Draco and meshopt are read, and give the hulls of the same model", async () => {
   for (const name of ["mug_draco", "mug_draco_valence", "mug_draco_quantized", "leaf_draco_sequential", "mug_meshopt_ext", "mug_meshopt_khr"]) {
-    const mesh = await readMesh({ [`${name}.glb`]: bytesOf(root(`tests/data/${name}.glb`)) });
+    const mesh = await readMesh({ [`${name}.glb`]: bytesOf(root(`crates/formats/tests/data/${name}.glb`)) });
     assert.ok(mesh.indices.length > 100, name);
     assert.ok((await decompose(mesh, { preset: "fast" })).hulls.length >= 1, name);
   }

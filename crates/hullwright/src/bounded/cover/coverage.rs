@@ -127,6 +127,7 @@ pub(crate) fn assign_owners(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::bounded::fixture::{Fixture, cubes, times_in};
 
     #[test]
     fn what_a_set_alone_covers_is_what_is_in_no_other() {
@@ -150,5 +151,47 @@ mod tests {
                 assert_eq!(coverage.exclusive(set), expected, "{k}");
             }
         }
+    }
+
+    #[test]
+    fn of_pieces_that_cover_each_other_the_smallest_are_dropped_first() {
+        let fixture = Fixture::new(&cubes([0.0, 2.0, 4.0, 6.0]), 0.02);
+        let sets = [vec![0, 1, 2], vec![2, 3], vec![2], vec![3]];
+        let mut pieces = sets.map(|set| fixture.piece(set)).to_vec();
+        drop_redundant(&fixture.patches, &mut pieces);
+        let left: Vec<Vec<u32>> =
+            pieces.iter().map(|piece| piece.patches.iter().collect()).collect();
+        assert_eq!(left, [vec![2, 3], vec![0, 1, 2]]);
+    }
+
+    #[test]
+    fn a_shared_patch_stays_with_the_piece_that_grows_least_by_it() {
+        let fixture = Fixture::new(&cubes([0.0, 2.0, 3.5, 6.0]), 0.02);
+        let pieces = [vec![0, 1], vec![1, 2, 3]].map(|set| fixture.piece(set));
+        let owned = assign_owners(&fixture.patches, &pieces, &Control::new()).unwrap();
+        let sets: Vec<Vec<u32>> =
+            owned.iter().map(|piece| piece.patches.iter().collect()).collect();
+        // The first would grow by two cubes, the second by one and a half.
+        assert_eq!(sets, [vec![0], vec![1, 2, 3]]);
+        assert!((owned[0].hull.volume - fixture.piece([0]).hull.volume).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_shared_patch_within_the_hull_of_a_piece_stays_there() {
+        let fixture = Fixture::new(&cubes([0.0, 2.0, 4.0, 5.1]), 0.02);
+        let pieces = [vec![1, 3], vec![0, 1, 2]].map(|set| fixture.piece(set));
+        let owned = assign_owners(&fixture.patches, &pieces, &Control::new()).unwrap();
+        assert_eq!(owned[0].patches, fixture.set([3]));
+        assert_eq!(owned[1].patches, fixture.set([0, 1, 2]));
+    }
+
+    #[test]
+    fn a_piece_without_a_patch_of_its_own_that_gets_none_is_gone() {
+        let fixture = Fixture::new(&cubes([0.0, 2.0]), 0.02);
+        let pieces = [vec![0, 1], vec![1]].map(|set| fixture.piece(set));
+        let owned = assign_owners(&fixture.patches, &pieces, &Control::new()).unwrap();
+        let times = times_in(2, owned.iter().map(|piece| &piece.patches));
+        assert_eq!(times, [1, 1]);
+        assert!(owned.iter().all(|piece| !piece.patches.is_empty()));
     }
 }

@@ -183,3 +183,91 @@ impl Attempt<'_> {
         Some(counts)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bounded::cover::nogoods::PointsOfPatches;
+    use crate::bounded::fixture::{Fixture, cubes, l_prism, times_in};
+    use crate::bounded::merge::merge;
+
+    /// The pieces that are left of some.
+    fn dissolved(fixture: &Fixture, pieces: &[Piece], budget: usize) -> Vec<Piece> {
+        let points = PointsOfPatches::new(&fixture.patches);
+        let mut nogoods = Nogoods::new(&points, fixture.patches.count());
+        let (mut pieces, bound) = (pieces.to_vec(), fixture.settings.bound.search());
+        dissolve(&fixture.search(), &mut pieces, bound, budget, &mut nogoods).unwrap();
+        pieces
+    }
+
+    /// The two parts of a prism, a patch of the larger of which is a piece of its own.
+    fn with_a_part_of_its_own(fixture: &Fixture) -> Vec<Piece> {
+        let mut pieces = merge(&fixture.search()).unwrap();
+        pieces.sort_by_key(|piece| piece.patches.count());
+        let mut rest = pieces.pop().unwrap().patches;
+        let single = rest.iter().next().unwrap();
+        rest.remove(single);
+        pieces.extend([fixture.piece(rest.iter()), fixture.piece([single])]);
+        pieces
+    }
+
+    #[test]
+    fn a_piece_that_another_can_take_over_disappears() {
+        let fixture = Fixture::new(&l_prism(), 0.02);
+        let pieces = with_a_part_of_its_own(&fixture);
+        assert_eq!(pieces.len(), 3);
+        let left = dissolved(&fixture, &pieces, usize::MAX);
+        assert_eq!(left.len(), 2);
+        let times = times_in(fixture.patches.count(), left.iter().map(|piece| &piece.patches));
+        assert!(times.iter().all(|&times| times > 0), "{times:?}");
+    }
+
+    #[test]
+    fn without_a_budget_all_pieces_stay() {
+        let fixture = Fixture::new(&l_prism(), 0.02);
+        let pieces = with_a_part_of_its_own(&fixture);
+        assert_eq!(dissolved(&fixture, &pieces, 0).len(), 3);
+    }
+
+    #[test]
+    fn pieces_that_nothing_else_can_cover_stay() {
+        let fixture = Fixture::new(&cubes([0.0, 2.0, 4.0]), 0.02);
+        let pieces = [0, 1, 2].map(|patch| fixture.piece([patch]));
+        assert_eq!(dissolved(&fixture, &pieces, usize::MAX).len(), 3);
+    }
+
+    #[test]
+    fn a_piece_may_leave_what_is_covered_elsewhere_to_take_what_is_not() {
+        // Over the crack in the middle two pieces overlap. The middle ones are covered twice.
+        let fixture = Fixture::new(&cubes([0.0, 1.02, 2.04, 3.06]), 0.02);
+        let pieces = [vec![0, 1], vec![1, 2], vec![2, 3]].map(|patches| fixture.piece(patches));
+        let left = dissolved(&fixture, &pieces, usize::MAX);
+        assert_eq!(left.len(), 1);
+        assert_eq!(left[0].patches, fixture.patches.all());
+    }
+
+    #[test]
+    fn what_could_be_taken_is_counted_by_conflicts_and_is_nothing_where_one_patch_has_no_taker() {
+        let fixture = Fixture::new(&cubes([0.0, 1.02, 3.0]), 0.02);
+        let points = PointsOfPatches::new(&fixture.patches);
+        let nogoods = Nogoods::new(&points, 3);
+        let attempt = Attempt {
+            patches: &fixture.patches,
+            grower: Grower {
+                patches: &fixture.patches,
+                tester: FitTester::new(&fixture.solids.coarse, 0.02),
+                learning: Learning::after(&nogoods),
+                control: &fixture.control,
+            },
+            cores: &Cores::default(),
+        };
+        let pieces = [0, 1, 2].map(|patch| fixture.piece([patch]));
+        let counts = |k: usize, takers: &[usize]| {
+            let mut coverage = Coverage::new(3, &pieces);
+            coverage.remove(&pieces[k].patches);
+            attempt.possible_takes(&pieces, takers, &pieces[k].patches, &coverage)
+        };
+        assert_eq!(counts(0, &[1, 2]), Some(vec![1, 0]));
+        assert_eq!(counts(2, &[0, 1]), None);
+    }
+}

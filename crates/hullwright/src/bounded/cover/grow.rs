@@ -217,3 +217,114 @@ fn contains(hull: &GrowingHull, patch: &Patch) -> bool {
             && patch.max[k] <= hull.max[k] + CONTAINED_TOLERANCE
     }) && hull.contains(&patch.points, CONTAINED_TOLERANCE)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bounded::cover::nogoods::{Nogoods, PointsOfPatches};
+    use crate::bounded::fixture::{Fixture, cubes, l_prism, u_prism};
+    use crate::mesh::shapes::torus;
+
+    /// A piece of some patches after it has grown by those that are wanted.
+    fn grown(fixture: &Fixture, piece: &[u32], wanted: &PatchSet) -> Piece {
+        let points = PointsOfPatches::new(&fixture.patches);
+        let nogoods = Nogoods::new(&points, fixture.patches.count());
+        let bound = fixture.settings.bound.search();
+        let mut grower = Grower {
+            patches: &fixture.patches,
+            tester: FitTester::new(&fixture.solids.coarse, bound),
+            learning: Learning::after(&nogoods),
+            control: &fixture.control,
+        };
+        let mut piece = fixture.piece(piece.iter().copied());
+        grower.grow(&mut piece, wanted).unwrap();
+        piece
+    }
+
+    #[test]
+    fn a_box_takes_the_one_behind_a_crack_and_not_the_one_behind_a_gap() {
+        let fixture = Fixture::new(&cubes([0.0, 1.02, 3.0]), 0.02);
+        let piece = grown(&fixture, &[0], &fixture.patches.all());
+        assert_eq!(piece.patches, fixture.set([0, 1]));
+        assert!(piece.hull.contains(&fixture.patches[1].points, 1e-4));
+    }
+
+    #[test]
+    fn only_wanted_patches_are_taken() {
+        let fixture = Fixture::new(&cubes([0.0, 1.02, 2.04]), 0.02);
+        let piece = grown(&fixture, &[0], &fixture.set([1]));
+        assert_eq!(piece.patches, fixture.set([0, 1]));
+    }
+
+    #[test]
+    fn a_wanted_patch_within_the_hull_is_taken_without_a_test() {
+        let fixture = Fixture::new(&cubes([0.0, 1.02, 2.04]), 0.02);
+        let points = PointsOfPatches::new(&fixture.patches);
+        let nogoods = Nogoods::new(&points, fixture.patches.count());
+        let mut grower = Grower {
+            patches: &fixture.patches,
+            tester: FitTester::new(&fixture.solids.coarse, fixture.settings.bound.search()),
+            learning: Learning::after(&nogoods),
+            control: &fixture.control,
+        };
+        let mut piece = fixture.piece([0, 2]);
+        grower.grow(&mut piece, &fixture.patches.all()).unwrap();
+        assert_eq!(piece.patches, fixture.patches.all());
+        assert_eq!(grower.tester.attempts, 0);
+    }
+
+    #[test]
+    fn what_has_grown_fits_and_holds_no_conflict() {
+        for mesh in [l_prism(), u_prism(), torus(24, 12)] {
+            let fixture = Fixture::new(&mesh, 0.03);
+            let conflicts = &fixture.patches.conflicts;
+            let bound = fixture.settings.bound.search();
+            let mut tester = FitTester::new(&fixture.solids.coarse, bound);
+            let mut most = 0;
+            for start in (0..fixture.patches.count() as u32).step_by(5) {
+                let piece = grown(&fixture, &[start], &fixture.patches.all());
+                assert!(tester.fits(&piece.hull, false), "{start}");
+                let mut members = piece.patches.iter();
+                assert!(members.all(|patch| !conflicts[patch as usize].intersects(&piece.patches)));
+                for patch in piece.patches.iter() {
+                    assert!(
+                        !piece.hull.is_solid
+                            || piece.hull.contains(&fixture.patches[patch].points, 1e-3)
+                    );
+                }
+                most = most.max(piece.patches.count());
+            }
+            assert!(most > 1);
+        }
+    }
+
+    #[test]
+    fn patches_come_in_the_order_of_their_distance_from_the_hull() {
+        let fixture = Fixture::new(&cubes([0.0, 1.5, 3.5, 6.0, 9.0]), 0.02);
+        for (start, expected) in [(0, [1, 2, 3, 4]), (4, [3, 2, 1, 0]), (2, [1, 3, 0, 4])] {
+            let mut open = fixture.patches.all();
+            open.remove(start);
+            let mut order = Order::default();
+            order.start(&fixture.piece([start]).hull, &fixture.patches, &open);
+            let found: Vec<u32> = std::iter::from_fn(|| order.next(&fixture.patches)).collect();
+            assert_eq!(found, expected, "{start}");
+        }
+    }
+
+    #[test]
+    fn a_cancelled_piece_is_an_error() {
+        let fixture = Fixture::new(&cubes([0.0, 1.02]), 0.02);
+        let points = PointsOfPatches::new(&fixture.patches);
+        let nogoods = Nogoods::new(&points, 2);
+        let control = Control::new();
+        control.cancel();
+        let mut grower = Grower {
+            patches: &fixture.patches,
+            tester: FitTester::new(&fixture.solids.coarse, 0.02),
+            learning: Learning::after(&nogoods),
+            control: &control,
+        };
+        let mut piece = fixture.piece([0]);
+        assert_eq!(grower.grow(&mut piece, &fixture.patches.all()), Err(Error::Cancelled));
+    }
+}

@@ -218,3 +218,122 @@ fn contains(hull: &GrowingHull, point: Vector) -> bool {
         && (0..3).all(|k| hull.min[k] <= point[k] && point[k] <= hull.max[k])
         && hull.builder.farthest_outside(&[point]) <= COVERED
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bounded::fixture::{Fixture, cubes, l_prism, times_in, u_prism};
+    use crate::bounded::merge::merge;
+    use crate::mesh::shapes::{cuboid, torus};
+
+    #[test]
+    fn a_single_piece_stays_as_it_is() {
+        let fixture = Fixture::new(&cuboid([0.0; 3], [1.0; 3]), 0.02);
+        let Cover { pieces, before_last_round } =
+            cover(&fixture.search(), vec![fixture.piece([0])]).unwrap();
+        assert_eq!(pieces.len(), 1);
+        assert!(before_last_round.is_none() && pieces[0].inner_points.is_empty());
+    }
+
+    #[test]
+    fn each_patch_has_one_owner_and_there_are_no_more_pieces_than_before() {
+        for mesh in [cubes([0.0, 1.5, 3.0]), l_prism(), u_prism(), torus(24, 12)] {
+            let fixture = Fixture::new(&mesh, 0.03);
+            let merged = merge(&fixture.search()).unwrap();
+            let before = merged.len();
+            let Cover { pieces, .. } = cover(&fixture.search(), merged).unwrap();
+            assert!(pieces.len() <= before);
+            let count = fixture.patches.count();
+            assert_eq!(times_in(count, pieces.iter().map(|piece| &piece.patches)), vec![1; count]);
+        }
+    }
+
+    #[test]
+    fn a_piece_that_others_cover_once_they_have_grown_is_left_out() {
+        let fixture = Fixture::new(&cubes([0.0, 1.02, 3.0]), 0.02);
+        let pieces = [0, 1, 2].map(|patch| fixture.piece([patch])).to_vec();
+        let points = PointsOfPatches::new(&fixture.patches);
+        let mut nogoods = Nogoods::new(&points, 3);
+        let grown = grow_all(&fixture.search(), pieces, &mut nogoods).unwrap();
+        let mut sets: Vec<Vec<u32>> =
+            grown.iter().map(|piece| piece.patches.iter().collect()).collect();
+        sets.sort();
+        assert_eq!(sets, [vec![0, 1], vec![2]]);
+    }
+
+    #[test]
+    fn points_in_the_solid_that_no_piece_contains_are_hollow() {
+        let fixture = Fixture::new(&cubes([0.0, 1.02]), 0.02);
+        let solid = &*fixture.solids.coarse;
+        let pieces = [0, 1].map(|patch| fixture.piece([patch]));
+        assert!(hollow(&pieces, solid).is_empty());
+        // A plate at the bottom of a cube, and another one at its top, leave the rest of it.
+        let mut plates = pieces[..1].to_vec();
+        let Vector { x, y, z } = plates[0].hull.max - plates[0].hull.min;
+        let corners: Vec<Vector> = [0.0, 0.9]
+            .map(|share| {
+                let low = plates[0].hull.min + Vector::Z * z * share;
+                [Vector::ZERO, Vector::X * x, Vector::Y * y].map(|side| low + side)
+            })
+            .concat();
+        plates[0].hull = GrowingHull::new(&corners[..3], Vector::ZERO);
+        plates.push(crate::bounded::patch::Piece {
+            hull: GrowingHull::new(&corners[3..], Vector::ZERO),
+            ..plates[0].clone()
+        });
+        let points = hollow(&plates, solid);
+        assert!(points.len() > POINTS / 2 && points.iter().all(|&p| solid.side(p) == Side::Inside));
+    }
+
+    #[test]
+    fn a_piece_that_has_shrunk_gets_the_inside_back_that_it_contained() {
+        let fixture = Fixture::new(&l_prism(), 0.02);
+        let whole = merge(&fixture.search()).unwrap();
+        // One of them is a single patch anyway, the other one loses half of its volume.
+        let last = |piece: &Piece| fixture.piece(piece.patches.iter().last());
+        let mut shrunk: Vec<Piece> = whole.iter().map(last).collect();
+        let volume = |pieces: &[Piece]| pieces.iter().map(|piece| piece.hull.volume).sum::<f64>();
+        assert!(volume(&shrunk) < 0.9 * volume(&whole));
+        fill(&mut shrunk, &whole, &fixture.search()).unwrap();
+        let returned = shrunk.iter().filter(|piece| !piece.inner_points.is_empty());
+        assert_eq!(returned.count(), 1);
+        for (piece, whole) in shrunk.iter().zip(&whole) {
+            assert_eq!(piece.patches.count(), 1);
+            assert!((piece.hull.volume - whole.hull.volume).abs() < 1e-6);
+        }
+        assert!(hollow(&shrunk, &fixture.solids.coarse).len() < MIN_POINTS);
+    }
+
+    #[test]
+    fn pieces_grow_over_points_that_none_has_contained_as_far_as_they_fit() {
+        let fixture = Fixture::new(&cubes([0.0, 3.0]), 0.02);
+        let mut pieces = vec![fixture.piece([0])];
+        let high = pieces[0].hull.max;
+        let (near, far) = (high + Vector::Z * 0.01, high + Vector::Z * 0.1);
+        grow_over(&mut pieces, vec![far, near], &fixture.search()).unwrap();
+        assert_eq!(pieces[0].inner_points, [near]);
+        assert!(pieces[0].hull.max.z < far.z);
+    }
+
+    #[test]
+    fn a_point_is_as_far_from_a_flat_hull_as_from_its_box() {
+        let square = [Vector::ZERO, Vector::X, Vector::Y, Vector::X + Vector::Y];
+        let flat = GrowingHull::new(&square, Vector::Z);
+        let point = Vector::new(4.0, 0.5, 4.0);
+        assert_eq!(distance(&flat, point), 5.0);
+        assert!(!contains(&flat, Vector::new(0.5, 0.5, 0.0)));
+        let cube = GrowingHull::new(cuboid([0.0; 3], [1.0; 3]).points(), Vector::ZERO);
+        assert!((distance(&cube, Vector::new(0.5, 0.5, 4.0)) - 3.0).abs() < 1e-9);
+        assert!(contains(&cube, Vector::splat(0.5)));
+        assert!(!contains(&cube, Vector::new(0.5, 0.5, 1.0005)));
+    }
+
+    #[test]
+    fn a_point_a_thousandth_in_front_of_a_face_is_covered_and_one_farther_away_is_not() {
+        let corner = [Vector::ZERO, Vector::X, Vector::Y, Vector::Z];
+        let hull = GrowingHull::new(&corner, Vector::ZERO);
+        // The face is oblique, so that these points are within the box of the hull.
+        let in_front = |distance: f64| (Vector::ONE / 3.0) + Vector::ONE.normalize() * distance;
+        assert!(contains(&hull, in_front(0.0009)) && !contains(&hull, in_front(0.0011)));
+    }
+}

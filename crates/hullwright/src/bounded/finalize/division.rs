@@ -284,3 +284,141 @@ fn hull_of_pair(entries: &[Entry], (first, second): Pair) -> Result<ConvexHull, 
     let hull = |index: u32| &entries[index as usize].hull.hull;
     joint_hull(&mut HullBuilder::new(), hull(first), hull(second))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bounded::fixture::{Fixture, cubes, l_prism, times_in, u_prism};
+    use crate::mesh::shapes::{cuboid, uv_sphere};
+    use crate::parameters::{Length, Parameters};
+
+    fn context(fixture: &Fixture) -> FinalizeContext<'_> {
+        FinalizeContext { search: fixture.search(), volume_per_vertex: 0.0 }
+    }
+
+    /// The hulls of a piece of all patches.
+    fn divided(fixture: &Fixture) -> Option<PieceHulls> {
+        let piece = fixture.piece(0..fixture.patches.count() as u32);
+        hulls_of_piece(&context(fixture), &piece).unwrap()
+    }
+
+    /// How often each triangle of the surface is owned.
+    fn owners(fixture: &Fixture, hulls: &[FinalHull]) -> Vec<u32> {
+        let mut owners = vec![0; fixture.patches.surface.triangles.len()];
+        for hull in hulls {
+            let own = hull.owned.triangles(&fixture.patches);
+            own.for_each(|triangle| owners[triangle as usize] += 1);
+        }
+        owners
+    }
+
+    #[test]
+    fn a_piece_that_keeps_the_bound_is_not_divided() {
+        let fixture = Fixture::new(&cuboid([0.0; 3], [1.0; 3]), 0.02);
+        let PieceHulls { hulls, fits_without_limit } = divided(&fixture).unwrap();
+        assert_eq!(hulls.len(), 1);
+        assert!(!fits_without_limit);
+    }
+
+    #[test]
+    fn a_piece_over_a_notch_is_divided_until_each_part_keeps_the_bound() {
+        for mesh in [l_prism(), u_prism(), cubes([0.0, 1.5, 3.0])] {
+            let fixture = Fixture::new(&mesh, 0.02);
+            let PieceHulls { hulls, fits_without_limit } = divided(&fixture).unwrap();
+            assert!(hulls.len() > 1 && !fits_without_limit);
+            assert!(hulls.iter().all(|hull| hull.keeps_bound(&fixture.settings)));
+            let count = fixture.patches.count();
+            let sets = hulls.iter().map(|hull| &hull.owned.patches);
+            assert_eq!(times_in(count, sets), vec![1; count]);
+            assert!(owners(&fixture, &hulls).iter().all(|&owners| owners == 1));
+        }
+    }
+
+    #[test]
+    fn a_single_patch_is_divided_into_its_triangles() {
+        // A ball is one patch, which needs far more vertices than the limit allows.
+        let parameters =
+            Parameters::default().with_max_error(Length::share(0.01)).with_max_vertices(Some(12));
+        let fixture = Fixture::with(&uv_sphere(12, [0.0; 3], 1.0), &parameters);
+        assert_eq!(fixture.patches.count(), 1);
+        let PieceHulls { hulls, fits_without_limit } = divided(&fixture).unwrap();
+        assert!(hulls.len() > 1 && fits_without_limit);
+        for hull in &hulls {
+            assert!(hull.hull.points.len() <= 12 && hull.owned.part.is_some());
+            // Its middle stays within all of them, so that no gap opens there.
+            assert_eq!(hull.owned.inner_points.len(), 1);
+        }
+        assert!(owners(&fixture, &hulls).iter().all(|&owners| owners == 1));
+    }
+
+    #[test]
+    fn a_piece_that_extends_over_a_hollow_does_without_it_before_it_is_divided() {
+        let fixture = Fixture::new(&cubes([0.0, 2.0]), 0.02);
+        let mut piece = fixture.piece([0]);
+        piece.inner_points = vec![Vector::splat(0.5), Vector::splat(0.4)];
+        let PieceHulls { hulls, .. } = hulls_of_piece(&context(&fixture), &piece).unwrap().unwrap();
+        let [hull] = &hulls[..] else { panic!("{} hulls", hulls.len()) };
+        assert!(hull.owned.inner_points.is_empty());
+        assert_eq!(hull.hull.points.len(), 8);
+    }
+
+    #[test]
+    fn a_division_into_more_hulls_than_the_limit_is_given_up() {
+        let parameters = Parameters::default().with_max_hulls(1);
+        let mut fixture = Fixture::with(&l_prism(), &parameters);
+        assert!(divided(&fixture).is_some());
+        fixture.settings = fixture.settings.with_bound(0.02);
+        assert!(divided(&fixture).is_none());
+    }
+
+    #[test]
+    fn items_are_halved_along_the_axis_on_which_they_lie_farthest_apart() {
+        let places = [[0.0, 5.0, 0.0], [1.0, 0.0, 1.0], [2.0, 9.0, 0.0], [0.0, 2.0, 3.0]];
+        let mut items = [0, 1, 2, 3];
+        let (first, second) = halves(&mut items, |&item| Vector::from(places[item as usize]));
+        assert_eq!((first, second), (&[1, 3][..], &[0, 2][..]));
+    }
+
+    #[test]
+    fn of_three_items_at_one_place_neither_half_is_empty() {
+        let mut items = [4, 2, 3];
+        let (first, second) = halves(&mut items, |_| Vector::ZERO);
+        assert_eq!((first, second), (&[2][..], &[3, 4][..]));
+    }
+
+    #[test]
+    fn hulls_of_one_convex_part_join_again() {
+        for (mesh, parts) in [(l_prism(), 2), (u_prism(), 3)] {
+            let fixture = Fixture::new(&mesh, 0.02);
+            // One hull for each patch.
+            let pieces = (0..fixture.patches.count() as u32).map(|patch| fixture.piece([patch]));
+            let hulls = pieces.flat_map(|piece| {
+                hulls_of_piece(&context(&fixture), &piece).unwrap().unwrap().hulls
+            });
+            let joined = remerge(&context(&fixture), hulls.collect()).unwrap();
+            assert_eq!(joined.len(), parts);
+            assert!(joined.iter().all(|hull| hull.keeps_bound(&fixture.settings)));
+            assert!(owners(&fixture, &joined).iter().all(|&owners| owners == 1));
+        }
+    }
+
+    #[test]
+    fn hulls_apart_do_not_join_and_hulls_at_a_crack_do() {
+        let fixture = Fixture::new(&cubes([0.0, 1.02, 3.0]), 0.02);
+        let joined = remerge(&context(&fixture), fixture.hulls_of_patches()).unwrap();
+        let mut sets: Vec<Vec<u32>> =
+            joined.iter().map(|hull| hull.owned.patches.iter().collect()).collect();
+        sets.sort();
+        assert_eq!(sets, [vec![0, 1], vec![2]]);
+    }
+
+    #[test]
+    fn a_pair_with_more_vertices_than_the_limit_has_no_cost() {
+        let mut fixture = Fixture::new(&cubes([0.0, 1.02]), 0.02);
+        let entries: Vec<Entry> = fixture.hulls_of_patches().into_iter().map(Entry::new).collect();
+        let found = cost(&context(&fixture), &entries, (0, 1)).unwrap().unwrap();
+        assert!((found - 0.02 / 2.02).abs() < 1e-6, "{found}");
+        fixture.settings.max_vertices = Some(7);
+        assert_eq!(cost(&context(&fixture), &entries, (0, 1)).unwrap(), None);
+    }
+}

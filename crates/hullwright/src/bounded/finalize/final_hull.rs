@@ -182,3 +182,140 @@ fn is_thick(hull: &ConvexHull, tolerance: f64) -> bool {
     let (min, max) = bounds(hull.points().iter().copied());
     tolerance * max.distance_squared(min) <= LEAST_SHARE_OF_THICKNESS * hull.volume()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bounded::fixture::{Fixture, cubes, l_prism};
+    use crate::bounded::patch::Patch;
+    use crate::hull::convex_hull;
+    use crate::mesh::shapes::cuboid;
+
+    fn whole(fixture: &Fixture, patches: &[u32]) -> Owned {
+        let patches = fixture.set(patches.iter().copied());
+        Owned { patches, part: None, inner_points: Vec::new() }
+    }
+
+    fn made(fixture: &Fixture, owned: Owned) -> FinalHull {
+        let context = FinalizeContext { search: fixture.search(), volume_per_vertex: 0.0 };
+        make_hull(&context, owned, &mut HullBuilder::new()).unwrap()
+    }
+
+    #[test]
+    fn whole_patches_together_are_whole() {
+        let fixture = Fixture::new(&cubes([0.0, 2.0]), 0.02);
+        let (mut first, second) = (whole(&fixture, &[0]), whole(&fixture, &[1]));
+        first.inner_points.push(Vector::X);
+        let both = Owned::union(&[&first, &second], &fixture.patches);
+        assert_eq!(both.patches, fixture.patches.all());
+        assert!(both.part.is_none());
+        assert_eq!(both.inner_points, [Vector::X]);
+        assert_eq!(both.triangles(&fixture.patches).count(), 24);
+    }
+
+    #[test]
+    fn with_a_part_of_a_patch_all_triangles_are_listed() {
+        let fixture = Fixture::new(&cubes([0.0, 2.0]), 0.02);
+        let [own, other] = [0, 1].map(|patch| &fixture.patches[patch].triangles);
+        let part = Owned { part: Some(own[..3].to_vec()), ..whole(&fixture, &[0]) };
+        let both = Owned::union(&[&part, &whole(&fixture, &[1])], &fixture.patches);
+        assert_eq!(both.part, Some([&own[..3], &other[..]].concat()));
+    }
+
+    #[test]
+    fn a_hull_must_contain_the_detail_of_the_triangles_that_it_owns_alone() {
+        let mut fixture = Fixture::new(&cubes([0.0, 2.0]), 0.02);
+        let triangles = fixture.patches[0].triangles.clone();
+        let mut points = vec![Vec::new(); fixture.patches.surface.triangles.len()];
+        points[triangles[0] as usize] = vec![Vector::X];
+        points[triangles[1] as usize] = vec![Vector::Y];
+        fixture.patches.detail.points = points;
+        let part = Owned { part: Some(vec![triangles[1]]), ..whole(&fixture, &[0]) };
+        let points = part.surface_points(&fixture.patches);
+        assert!(points.contains(&Vector::Y) && !points.contains(&Vector::X));
+        assert_eq!(points.len(), 4);
+    }
+
+    #[test]
+    fn the_hull_of_a_box_is_the_box_without_an_error() {
+        let fixture = Fixture::new(&cuboid([0.0; 3], [1.0, 2.0, 2.0]), 0.02);
+        let hull = made(&fixture, whole(&fixture, &[0]));
+        assert_eq!(hull.hull.points.len(), 8);
+        assert!((hull.hull.volume() * 27.0 - 4.0).abs() < 1e-9);
+        assert_eq!([hull.added_thickness, hull.simplification_growth], [0.0; 2]);
+        assert!(hull.uncovered < 1e-9 && hull.protrusion < fixture.settings.bound.verified());
+        assert!(hull.keeps_bound(&fixture.settings));
+    }
+
+    #[test]
+    fn a_flat_patch_becomes_a_thin_hull_within_the_solid() {
+        let fixture = Fixture::new(&l_prism(), 0.02);
+        let solid = &fixture.solids.exact;
+        let is_flat = |&patch: &u32| {
+            let Patch { min, max, .. } = fixture.patches[patch];
+            (max - min).min_element() < 1e-9
+        };
+        let flat: Vec<u32> = (0..fixture.patches.count() as u32).filter(is_flat).collect();
+        assert!(!flat.is_empty());
+        for patch in flat {
+            let hull = made(&fixture, whole(&fixture, &[patch]));
+            assert!(hull.added_thickness > 0.0 && hull.keeps_bound(&fixture.settings));
+            // Towards the outside it would protrude by all of its thickness.
+            let least = 0.1 * hull.added_thickness;
+            let is_outside = |&point: &Vector| solid.outside(point, least).is_some();
+            assert!(!hull.hull.points().iter().any(is_outside), "{patch}");
+        }
+    }
+
+    #[test]
+    fn a_hull_over_a_notch_does_not_keep_the_bound() {
+        let fixture = Fixture::new(&l_prism(), 0.02);
+        let all: Vec<u32> = (0..fixture.patches.count() as u32).collect();
+        let hull = made(&fixture, whole(&fixture, &all));
+        assert!(hull.protrusion > fixture.settings.bound.verified());
+        assert!(!hull.keeps_bound(&fixture.settings));
+    }
+
+    #[test]
+    fn a_hull_contains_its_inner_points() {
+        let fixture = Fixture::new(&l_prism(), 0.02);
+        // The origin is the middle of the notch, which the patch is away from.
+        let inner = Vector::ZERO;
+        let owned = Owned { inner_points: vec![inner], ..whole(&fixture, &[0]) };
+        let hull = made(&fixture, owned).hull;
+        let planes = hull.face_planes();
+        assert!(planes.iter().all(|plane| plane.height(inner) <= 1e-9));
+    }
+
+    #[test]
+    fn a_hull_may_be_returned_up_to_the_bound_and_what_may_stay_uncovered_under_the_limit() {
+        let fixture = Fixture::new(&cubes([0.0, 2.0]), 0.02);
+        let mut hull = fixture.hulls_of_patches().remove(0);
+        let bound = fixture.settings.bound;
+        (hull.protrusion, hull.uncovered) = (bound.verified(), bound.max_uncovered_under_limit());
+        assert!(hull.keeps_bound(&fixture.settings));
+        hull.protrusion *= 1.001;
+        assert!(!hull.keeps_bound(&fixture.settings));
+        hull.protrusion = 0.0;
+        hull.uncovered *= 1.001;
+        assert!(!hull.keeps_bound(&fixture.settings));
+    }
+
+    #[test]
+    fn the_error_of_hulls_is_the_largest_protrusion_or_what_is_uncovered() {
+        let fixture = Fixture::new(&cubes([0.0, 2.0]), 0.02);
+        let mut hulls = fixture.hulls_of_patches();
+        hulls[1].protrusion = 0.01;
+        let mut found = FinalHulls { hulls, uncovered: 0.003, without_vertex_limit: 2 };
+        assert_eq!(found.error(), 0.01);
+        found.uncovered = 0.02;
+        assert_eq!(found.error(), 0.02);
+    }
+
+    #[test]
+    fn a_plate_is_thin_and_a_cube_is_not() {
+        let plate = |thickness| convex_hull(&cuboid([0.0; 3], [1.0, 1.0, thickness]).positions);
+        let is_thick = |thickness| is_thick(&plate(thickness).unwrap(), 5e-4);
+        assert!(is_thick(1.0) && is_thick(0.03) && !is_thick(0.01));
+    }
+}

@@ -265,3 +265,119 @@ fn shrunk(hull: &ConvexHull, by: f64) -> Option<ConvexHull> {
         triangles: hull.triangles.clone(),
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bounded::fixture::Fixture;
+    use crate::geometry::TriangleMesh;
+    use crate::hull::convex_hull;
+    use crate::mesh::shapes::{cuboid, uv_sphere};
+    use crate::parameters::{Length, Parameters};
+
+    /// The hull of all points of a mesh, simplified.
+    fn simplified(
+        mesh: &TriangleMesh,
+        parameters: &Parameters,
+        saving: f64,
+    ) -> (Fixture, Simplified) {
+        let fixture = Fixture::with(mesh, parameters);
+        let points = fixture.prepared.mesh.points();
+        let hull = convex_hull(&fixture.prepared.mesh.positions).unwrap();
+        let points = PointBuckets::new(points);
+        let original = Original { hull, uncovered: 0.0, points, outward: Vector::ZERO };
+        let context = FinalizeContext { search: fixture.search(), volume_per_vertex: saving };
+        let simplified = simplify_hull(&context, original, &mut HullBuilder::new()).unwrap();
+        (fixture, simplified)
+    }
+
+    fn ball() -> TriangleMesh {
+        uv_sphere(24, [0.0; 3], 1.0)
+    }
+
+    fn parameters(bound: f64) -> Parameters {
+        Parameters::default().with_max_error(Length::share(bound))
+    }
+
+    #[test]
+    fn a_box_keeps_its_eight_vertices() {
+        let (_, found) = simplified(&cuboid([0.0; 3], [1.0; 3]), &parameters(0.02), 0.0);
+        assert_eq!(found.hull.points.len(), 8);
+        assert_eq!([found.growth, found.uncovered], [0.0; 2]);
+    }
+
+    #[test]
+    fn without_a_limit_only_vertices_go_that_add_little_volume_or_hardly_protrude() {
+        let parameters = &parameters(0.05).with_max_vertices(None);
+        let (fixture, found) = simplified(&ball(), parameters, 0.0);
+        let (_, saving) = simplified(&ball(), parameters, 1e-4);
+        let (all, kept, fewer) = (
+            fixture.prepared.mesh.positions.len(),
+            found.hull.points.len(),
+            saving.hull.points.len(),
+        );
+        assert!(all > kept && kept > fewer && fewer >= 8, "{all}, {kept}, {fewer}");
+        for found in [found, saving] {
+            assert!(found.protrusion <= fixture.settings.bound.verified());
+            assert!(found.uncovered <= fixture.settings.bound.max_uncovered());
+        }
+    }
+
+    #[test]
+    fn a_ball_with_more_vertices_than_the_limit_is_replaced_within_both_bounds() {
+        for most in [64, 40, 32] {
+            let (fixture, found) =
+                simplified(&ball(), &parameters(0.05).with_max_vertices(most), 0.0);
+            let bound = fixture.settings.bound;
+            assert!(found.hull.points.len() <= most);
+            assert!(found.protrusion <= bound.verified(), "{most}: {}", found.protrusion);
+            assert!(found.uncovered <= bound.max_uncovered_under_limit(), "{most}");
+        }
+    }
+
+    #[test]
+    fn a_hull_that_can_hardly_keep_the_limit_is_returned_as_uncovered_to_be_divided() {
+        let (fixture, found) = simplified(&ball(), &parameters(0.005).with_max_vertices(16), 0.0);
+        assert_eq!(found.uncovered, f64::INFINITY);
+        assert_eq!(found.hull.points.len(), fixture.prepared.mesh.positions.len());
+    }
+
+    #[test]
+    fn a_hull_that_needs_a_few_more_vertices_than_the_limit_is_not_divided_at_once() {
+        let fixture = Fixture::new(&ball(), 0.05);
+        let hull = convex_hull(&fixture.prepared.mesh.positions).unwrap();
+        let points = PointBuckets::new(&[]);
+        let original = Original { hull, uncovered: 0.0, points, outward: Vector::ZERO };
+        let bound = fixture.settings.bound;
+        let band = bound.verified() + bound.max_uncovered_under_limit();
+        let mut reducer = HullBuilder::new().with_least_tolerance(band);
+        let needed = reducer.vertices_of(original.hull.points()).unwrap().len() as f64;
+        for (share, expected) in [(1.3, true), (1.1, false)] {
+            let context = FinalizeContext { search: fixture.search(), volume_per_vertex: 0.0 };
+            let attempts = Attempts {
+                context: &context,
+                original: &original,
+                builder: &mut HullBuilder::new(),
+                scratch: Scratch::default(),
+                max_vertices: (needed / share).round() as usize,
+            };
+            assert_eq!(attempts.needs_more_vertices(), expected, "{needed} / {share}");
+        }
+    }
+
+    #[test]
+    fn a_hull_shrinks_towards_its_centre_and_no_vertex_moves_farther_than_it_may() {
+        let hull = convex_hull(&cuboid([1.0; 3], [3.0; 3]).positions).unwrap();
+        let by = 0.1;
+        let smaller = shrunk(&hull, by).unwrap();
+        let mut moved: f64 = 0.0;
+        for (point, before) in smaller.points().iter().zip(hull.points()) {
+            moved = moved.max(point.distance(*before));
+            assert!(point.distance(Vector::splat(2.0)) < before.distance(Vector::splat(2.0)));
+        }
+        assert!((moved - by).abs() < 1e-12);
+        assert_eq!(smaller.triangles, hull.triangles);
+        // The corners are √3 from the centre.
+        assert!(shrunk(&hull, 1.74).is_none() && shrunk(&hull, 1.73).is_some());
+    }
+}

@@ -146,3 +146,92 @@ fn uncovered(search: &Search<'_>, hulls: &[FinalHull]) -> Result<f64, Error> {
     }
     Ok(uncovered + exact.most_moved())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bounded::fixture::{Fixture, cubes, l_prism};
+    use crate::bounded::merge::merge;
+    use crate::mesh::shapes::cuboid;
+    use crate::parameters::Parameters;
+
+    fn finalized(fixture: &Fixture, cover: Cover) -> Option<FinalHulls> {
+        finalize(&fixture.search(), cover).unwrap()
+    }
+
+    fn all(fixture: &Fixture) -> Piece {
+        fixture.piece(0..fixture.patches.count() as u32)
+    }
+
+    #[test]
+    fn a_box_is_one_hull_that_leaves_nothing_uncovered() {
+        let fixture = Fixture::new(&cuboid([0.0; 3], [1.0; 3]), 0.02);
+        let cover = Cover { pieces: vec![all(&fixture)], before_last_round: None };
+        let found = finalized(&fixture, cover).unwrap();
+        assert_eq!([found.hulls.len(), found.without_vertex_limit], [1, 1]);
+        assert_eq!(found.hulls[0].hull.points.len(), 8);
+        assert!(found.uncovered < 1e-9, "{}", found.uncovered);
+    }
+
+    #[test]
+    fn all_hulls_of_a_prism_keep_the_bound_and_cover_the_surface() {
+        let fixture = Fixture::new(&l_prism(), 0.02);
+        let cover = Cover { pieces: vec![all(&fixture)], before_last_round: None };
+        let FinalHulls { hulls, uncovered, .. } = finalized(&fixture, cover).unwrap();
+        assert_eq!(hulls.len(), 2);
+        assert!(hulls.iter().all(|hull| hull.keeps_bound(&fixture.settings)));
+        assert!(uncovered <= fixture.settings.bound.max_uncovered());
+    }
+
+    #[test]
+    fn where_the_last_round_has_won_nothing_the_cover_before_it_is_taken() {
+        let fixture = Fixture::new(&cubes([0.0, 2.0]), 0.02);
+        // One piece that is divided into two, and more pieces before that would do no better.
+        let single = || fixture.piece([0]);
+        let cover = |before: Vec<Piece>| Cover {
+            pieces: vec![all(&fixture)],
+            before_last_round: Some(before),
+        };
+        let before = vec![single()];
+        let last = VerifiedPieces::new(fixture.search(), &[all(&fixture)]).unwrap().unwrap();
+        assert!(last.hulls.len() as f64 > DOUBTFUL && last.is_divided);
+        let found = finalized(&fixture, cover(before)).unwrap();
+        assert_eq!(found.hulls.len(), 1);
+        let found = finalized(&fixture, cover(vec![single(), fixture.piece([1])])).unwrap();
+        assert_eq!(found.hulls.len(), 2);
+    }
+
+    #[test]
+    fn a_last_round_that_leaves_surface_uncovered_gives_way_to_the_cover_before_it() {
+        let fixture = Fixture::new(&cubes([0.0, 2.0]), 0.02);
+        let before_last_round = Some(merge(&fixture.search()).unwrap());
+        let cover = Cover { pieces: vec![fixture.piece([0])], before_last_round };
+        let found = finalized(&fixture, cover).unwrap();
+        assert_eq!(found.hulls.len(), 2);
+        assert!(found.uncovered < 1e-9, "{}", found.uncovered);
+    }
+
+    #[test]
+    fn surface_that_no_hull_owns_is_as_far_outside_as_from_the_nearest_hull() {
+        let fixture = Fixture::new(&cubes([0.0, 2.0]), 0.02);
+        let mut hulls = fixture.hulls_of_patches();
+        assert!(uncovered(&fixture.search(), &hulls).unwrap() < 1e-9);
+        hulls.truncate(1);
+        // The far side of the second cube.
+        let expected = 2.0 / fixture.prepared.normalization.diagonal;
+        let found = uncovered(&fixture.search(), &hulls).unwrap();
+        assert!((found - expected).abs() < 0.05 * expected, "{found}");
+    }
+
+    #[test]
+    fn a_search_for_the_limit_is_given_up_with_more_hulls_than_it_allows() {
+        let mut fixture =
+            Fixture::with(&cubes([0.0, 2.0]), &Parameters::default().with_max_hulls(1));
+        let pieces = || [0, 1].map(|patch| fixture.piece([patch])).to_vec();
+        let cover = |pieces| Cover { pieces, before_last_round: None };
+        assert_eq!(finalized(&fixture, cover(pieces())).unwrap().hulls.len(), 2);
+        let pieces = pieces();
+        fixture.settings = fixture.settings.with_bound(0.02);
+        assert!(finalized(&fixture, cover(pieces)).is_none());
+    }
+}
