@@ -225,7 +225,7 @@ mod tests {
     use crate::bounded::fixture::{Fixture, cubes, l_prism, u_prism};
     use crate::mesh::shapes::torus;
 
-    /// A piece of some patches after it has grown by those that are wanted.
+    /// A piece of some patches after it has grown by those of a set.
     fn grown(fixture: &Fixture, piece: &[u32], wanted: &PatchSet) -> Piece {
         let points = PointsOfPatches::new(&fixture.patches);
         let nogoods = Nogoods::new(&points, fixture.patches.count());
@@ -250,14 +250,14 @@ mod tests {
     }
 
     #[test]
-    fn only_wanted_patches_are_taken() {
+    fn only_patches_of_the_given_set_are_taken() {
         let fixture = Fixture::new(&cubes([0.0, 1.02, 2.04]), 0.02);
         let piece = grown(&fixture, &[0], &fixture.set([1]));
         assert_eq!(piece.patches, fixture.set([0, 1]));
     }
 
     #[test]
-    fn a_wanted_patch_within_the_hull_is_taken_without_a_test() {
+    fn a_patch_within_the_hull_is_taken_without_a_test() {
         let fixture = Fixture::new(&cubes([0.0, 1.02, 2.04]), 0.02);
         let points = PointsOfPatches::new(&fixture.patches);
         let nogoods = Nogoods::new(&points, fixture.patches.count());

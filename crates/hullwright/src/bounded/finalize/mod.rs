@@ -184,9 +184,9 @@ mod tests {
     }
 
     #[test]
-    fn where_the_last_round_has_won_nothing_the_cover_before_it_is_taken() {
+    fn where_verification_divides_the_last_cover_the_one_before_it_is_taken() {
         let fixture = Fixture::new(&cubes([0.0, 2.0]), 0.02);
-        // One piece that is divided into two, and more pieces before that would do no better.
+        // One piece over the gap, which is divided. What there was before shows by its number.
         let single = || fixture.piece([0]);
         let cover = |before: Vec<Piece>| Cover {
             pieces: vec![all(&fixture)],
