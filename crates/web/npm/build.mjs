@@ -30,6 +30,8 @@ const VARIANTS = {
 const CODE = [
   "-Ctarget-feature=+simd128",
   ...["inline-threshold=50", "unroll-threshold=50", "unroll-partial-threshold=0"].map((flag) => `-Cllvm-args=-${flag}`),
+  // The module holds the paths of sources, a kilobyte of them.
+  "--remap-path-prefix=crates/hullwright/src=src",
 ];
 const FLAGS = { CARGO_TARGET_WASM32_UNKNOWN_UNKNOWN_RUSTFLAGS: CODE.join(" ") };
 
