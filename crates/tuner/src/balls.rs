@@ -41,8 +41,7 @@ pub fn throw(
     mut asked: MessageReader<Throw>,
     views: Query<(&Orbit, &Transform), With<Camera3d>>,
     balls: Query<(Entity, &Ball)>,
-    mut meshes: ResMut<Assets<Mesh>>,
-    mut materials: ResMut<Assets<StandardMaterial>>,
+    (mut meshes, mut materials): (ResMut<Assets<Mesh>>, ResMut<Assets<StandardMaterial>>),
     mut look: Local<Option<(Handle<Mesh>, Handle<StandardMaterial>)>>,
     mut thrown: Local<usize>,
 ) {

@@ -87,7 +87,7 @@ impl Shadow {
         let low = corners().reduce(Vec2::min)?;
         let high = corners().reduce(Vec2::max)?;
         let cell = (high - low).max_element() / CELLS as f32;
-        if !(cell > 0.0) {
+        if cell.is_nan() || cell <= 0.0 {
             return None;
         }
         let [width, height] =
