@@ -235,7 +235,7 @@ pub struct DecompositionFocus;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct DecompositionPriority(pub i32);
 
-/// Registers what users say and are told, so that scenes, editors and extras can name it.
+/// Registers tags, settings, statuses and events, so that scenes, editors and extras can name them.
 pub(super) struct TagPlugin;
 
 impl Plugin for TagPlugin {

@@ -1,6 +1,6 @@
 //! The cache of a browser: an IndexedDB with the bytes of a `.hulls` file per mesh and parameters,
-//! within a number of bytes. Tabs may share it. It answers later than it is asked, so a frame only
-//! asks whether it has.
+//! within a number of bytes. Tabs may share it. Answers come in later frames, so a frame only
+//! looks whether one is there.
 //!
 //! JavaScript's values stay on their thread, so what is here belongs to the thread of the game, and
 //! a [`Look`] names what it waits for by a number.

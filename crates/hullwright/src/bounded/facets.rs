@@ -10,9 +10,6 @@
 //! 3. Triangles are split along planes, those that resolve the most notches first.
 //!
 //! O(n log n) for n triangles and each plane.
-//!
-//! Where a constant says how many hulls another value gives, they are those of 196 shared and
-//! bundled meshes of up to 2,400 triangles, which have 2,507 hulls in all.
 
 use super::cuts::{CutMesh, cut};
 use super::settings::Settings;
@@ -46,8 +43,8 @@ const MAX_ADDED: usize = 1000;
 const MAX_NOTCHES: usize = 512;
 
 /// Cosine of the greatest angle between a triangle and its group's plane. Slivers are in the plane
-/// by their vertices, whatever their normal. With 0.7 no mesh has other hulls, with 0.98 three
-/// have, as many in all: the vertices' distance from the plane decides first.
+/// by their vertices, whatever their normal; of others the distance of their vertices from the
+/// plane decides first.
 const MIN_COSINE: f64 = 0.9;
 
 /// A triangle of a height below this multiple of the flatness is a sliver: its vertices may be off

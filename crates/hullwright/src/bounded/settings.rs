@@ -176,8 +176,8 @@ pub(crate) struct Settings {
     pub dissolve_attempts: usize,
     pub max_vertices: Option<usize>,
     pub max_hulls: Option<usize>,
-    /// A search with more hulls than this is given up.
-    given_up_above: Option<usize>,
+    /// Whether a search with more hulls than the limit is given up.
+    given_up_above_limit: bool,
     pub keep_cavities: bool,
     pub probe: Option<ProbeSettings>,
 }
@@ -222,7 +222,7 @@ impl Settings {
             dissolve_attempts,
             max_vertices,
             max_hulls,
-            given_up_above: None,
+            given_up_above_limit: false,
             keep_cavities,
             probe: ProbeSettings::new(
                 parameters.probe_radius,
@@ -254,7 +254,7 @@ impl Settings {
 
     /// Whether a search with so many hulls is given up.
     pub(crate) fn gives_up(&self, hulls: usize) -> bool {
-        self.given_up_above.is_some_and(|most| hulls > most)
+        self.given_up_above_limit && self.max_hulls.is_some_and(|most| hulls > most)
     }
 
     /// The same under another bound on protrusions, for the limit on hulls. No more may stay
@@ -262,7 +262,7 @@ impl Settings {
     pub(crate) fn with_bound(&self, bound: f64) -> Self {
         let Bound { requested, shares, .. } = self.bound;
         let bound = Bound { requested, shares, ..Bound::new(bound) };
-        Self { bound, given_up_above: self.max_hulls, ..self.clone() }
+        Self { bound, given_up_above_limit: true, ..self.clone() }
     }
 }
 
