@@ -1,16 +1,19 @@
 //! Tags meshes in a Bevy app without a window, waits for their colliders while frames go on, lets
 //! them fall, prints a table:
-//! `cargo run --ignore-rust-version --release --example headless_bevy [MESH…]`.
+//! `cargo run --ignore-rust-version --release --example headless_bevy [MESH…]`, with
+//! `--features avian` in Avian.
 
 mod headless;
+#[path = "headless/mass.rs"]
+mod mass;
 
 use std::path::Path;
 use std::time::{Duration, Instant};
 
 use bevy::prelude::*;
 use bevy_hullwright::prelude::*;
-use bevy_rapier3d::prelude::*;
 
+use headless::physics::{self, RigidBody};
 use headless::{bundled, is_finished, load};
 
 const MODELS: [&str; 8] = ["mug", "chair", "teapot", "lamp", "bowl", "dog", "torus", "gear"];
@@ -39,8 +42,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut app = headless::app();
     app.init_resource::<Frames>().add_observer(on_ready).add_observer(on_failed);
 
-    let floor = (Transform::from_xyz(0.0, -1.0, 0.0), Collider::cuboid(100.0, 1.0, 100.0));
-    app.world_mut().spawn(floor);
+    app.world_mut().spawn(physics::fixed_box(Vec3::NEG_Y, Vec3::new(100.0, 1.0, 100.0)));
     let given: Vec<String> = std::env::args().skip(1).collect();
     let paths = if given.is_empty() { MODELS.map(bundled).to_vec() } else { given };
     for (index, path) in paths.iter().enumerate() {
@@ -81,7 +83,7 @@ fn spawn(app: &mut App, path: &str, at: Vec3) -> Result<(), Box<dyn std::error::
         RigidBody::Dynamic,
         ConvexDecomposition::default().with_density(DENSITY),
         Transform::from_translation(at).with_scale(Vec3::splat(SIZE / model.diagonal)),
-        ReadMassProperties::default(),
+        mass::with_mass(),
         Row { triangles: model.triangles, frame: 0, hulls: 0 },
     ));
     Ok(())
@@ -101,14 +103,15 @@ fn on_failed(event: On<DecompositionFailed>, names: Query<&Name>) {
 fn print_table(app: &mut App) {
     println!("\nbody       triangles  hulls  ready in frame     mass  rests at  turned by");
     let world = app.world_mut();
-    let mut bodies = world.query::<(&Name, &Row, &ReadMassProperties, &Transform)>();
-    for (name, row, mass, place) in bodies.iter(world) {
+    let mut bodies = world.query::<(&Name, &Row, mass::MassOfBody, &Transform)>();
+    for (name, row, of_body, place) in bodies.iter(world) {
         let Row { triangles, frame, hulls } = row;
-        let centre = place.rotation * mass.local_center_of_mass + place.translation;
+        let (mass, centre) = mass::mass(of_body);
+        let centre = place.rotation * centre + place.translation;
         let turned = place.up().angle_between(Vec3::Y).to_degrees();
         println!(
-            "{name:<10} {triangles:>9} {hulls:>6} {frame:>15} {:>7.1} kg {:>7.3} m {turned:>8.1}°",
-            mass.mass, centre.y
+            "{name:<10} {triangles:>9} {hulls:>6} {frame:>15} {mass:>7.1} kg {:>7.3} m {turned:>8.1}°",
+            centre.y
         );
     }
 }

@@ -8,8 +8,8 @@ use std::time::{Duration, Instant};
 
 use bevy::prelude::*;
 use bevy_hullwright::prelude::*;
-use bevy_rapier3d::prelude::*;
 
+use headless::physics::{self, RigidBody};
 use headless::{Model, bundled, is_finished, load};
 
 const MODELS: [&str; 10] =
@@ -65,7 +65,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 fn walls(app: &mut App) {
     let half = WIDTH as f32 / 2.0;
     let wall = |x: f32, y: f32, z: f32, size: [f32; 3]| {
-        (Transform::from_xyz(x, y, z), Collider::cuboid(size[0], size[1], size[2]))
+        physics::fixed_box(Vec3::new(x, y, z), Vec3::from(size))
     };
     app.world_mut().spawn(wall(0.0, -1.0, 0.0, [2.0 * half, 1.0, 2.0 * half]));
     for side in [-1.0, 1.0] {

@@ -1,9 +1,9 @@
-//! The plugin for Bevy 0.20 with bevy_rapier3d 0.37: tag a mesh, get a moving concave body.
+//! The plugin for Bevy 0.20 with Rapier or Avian: tag a mesh, get a moving concave body.
 //!
 //! ```no_run
 //! use bevy::prelude::*;
-//! use bevy_rapier3d::prelude::*;
 //! use bevy_hullwright::prelude::*;
+//! use bevy_rapier3d::prelude::*; // or avian3d::prelude::*
 //!
 //! # fn setup(mut commands: Commands, mesh: Handle<Mesh>) {
 //! commands.spawn((
@@ -21,10 +21,14 @@
 //! [`DecompositionReady`], [`DecompositionSkipped`], [`DecompositionFailed`] and
 //! [`DecompositionCancelled`] say more.
 //!
+//! The physics engine is Rapier (bevy_rapier3d 0.37) or Avian (avian3d 0.8), by a feature. The
+//! default of [`HullwrightPlugin`] is for the engine that is built. Where both are, it is for
+//! Rapier, and [`with_engine`](HullwrightPlugin::with_engine) chooses.
+//!
 //! In metres, Rapier's own contacts let small things sink into each other, so the plugin gives each
-//! world of Rapier a [`ContactDispatcher`](hullwright_rapier::ContactDispatcher).
+//! world of Rapier a `hullwright_rapier::ContactDispatcher`.
 //! [`without_contact_dispatcher`](HullwrightPlugin::without_contact_dispatcher) leaves worlds as
-//! they are.
+//! they are. Avian calls Parry's contacts itself.
 //!
 //! | you have | you want | use |
 //! |---|---|---|
@@ -42,6 +46,8 @@
 //!
 //! | feature | what it adds |
 //! |---|---|
+//! | `rapier` (default) | the physics engine Rapier |
+//! | `avian` | the physics engine Avian; with `default-features = false` Rapier is not built |
 //! | `parallel` (default) | independent parts of the work run on rayon's pool, where the library is called directly |
 //! | `bevy_gltf` | tags in glTF extras, what is hidden, levels of detail |
 //! | `bake` | scenes are baked in Bevy's asset processor: `HullRecipeProcessor` |
@@ -50,8 +56,8 @@
 
 #![cfg_attr(docsrs, feature(doc_cfg))]
 
-// Five concepts, each with a plugin of its own. Imports go down this table only; what a concept
-// owns is private to it, and others use verbs on it.
+// Six concepts, each but `engine` with a plugin of its own. Imports go down this table only; what a
+// concept owns is private to it, and others use verbs on it.
 //
 // | concept | owns, and alone writes | what |
 // |---|---|---|
@@ -59,28 +65,34 @@
 // | `scene` | `HierarchyStatus`, `HierarchyWork`, `ColliderPieceOf`, `TaggedByHierarchy`, `HiddenByHierarchy`, `DecompositionProgress` | whole scenes, tagged by names and extras, and how far all work is |
 // | `collider` | `Unfinished`, `Fallbacks`, `OwnCollider`, `OwnMass`, `AttachedCollider`, `AttachedFallback`, `FailedRequest`, `FarFromFocus`, `GivesSurface`, `Frozen` | from tags to requests, from results to colliders; what is out of date; colliders that follow a scale; bodies that wait |
 // | `jobs` | `Jobs` with the caches, `FrameTime`, the asset `BakedScene` | requests wait, become jobs, end in results |
+// | `engine` | the engine's collider and mass, `OwnMass`, what a body has during a step | the seam to Rapier and to Avian: what both do in different ways |
 // | `tag` | `DecompositionStatus`, the events and counters of endings, by `Outcomes` alone | what users set, and what is reported |
 //
 // `scene` writes tags as users do. In the counters `jobs` and `collider` write how much runs and
-// waits.
+// waits. `collider` writes `Frozen`, a type of `engine`, whose systems hold such bodies.
 
 mod collider;
 #[cfg(feature = "debug")]
 mod debug;
+mod engine;
 mod jobs;
 mod scene;
 mod tag;
 
 use bevy::asset::AssetEventSystems;
 use bevy::prelude::*;
-use bevy_rapier3d::plugin::PhysicsSet;
-use bevy_rapier3d::prelude::CollisionEvent;
+
+use self::engine::Engine;
 
 /// The library, and what makes its hulls Rapier's: their types are in this crate's signatures.
-pub use {hullwright, hullwright_rapier};
+pub use hullwright;
+pub use hullwright_parry;
+#[cfg(feature = "rapier")]
+pub use hullwright_rapier;
 
 #[cfg(feature = "debug")]
 pub use debug::{HullGizmos, HullwrightDebug, HullwrightDebugPlugin};
+pub use engine::PhysicsEngine;
 pub use jobs::baked::{
     BakedDecomposition, BakedScene, BakedSceneSettings, FromBakedScene, HullSceneLoader,
     LoadHullsError,
@@ -118,9 +130,9 @@ pub mod prelude {
         DecompositionPriority, DecompositionProgress, DecompositionReady, DecompositionShape,
         DecompositionSkipped, DecompositionStatus, Execution, FallbackCollider, FromBakedScene,
         HierarchyFinished, HierarchyReport, HierarchyStatus, HullSource, HullwrightPlugin,
-        HullwrightSettings, HullwrightSystems, MadeOf, MaxError, NoConvexDecomposition, SkipReason,
-        SkipSettings, VerifiedDistances, WaitReason, all_decompositions_done,
-        decompositions_pending,
+        HullwrightSettings, HullwrightSystems, MadeOf, MaxError, NoConvexDecomposition,
+        PhysicsEngine, SkipReason, SkipSettings, VerifiedDistances, WaitReason,
+        all_decompositions_done, decompositions_pending,
     };
     #[cfg(feature = "debug")]
     pub use super::{HullwrightDebug, HullwrightDebugPlugin};
@@ -128,16 +140,26 @@ pub mod prelude {
 
 /// Gives entities with [`ConvexDecomposition`] their colliders.
 ///
-/// Needs Bevy's `AssetPlugin`, and Rapier's plugin needs `TransformPlugin`; `MinimalPlugins` are
-/// enough otherwise. The order of plugins does not matter.
+/// Needs Bevy's `AssetPlugin`, and the physics engine's own plugin, which needs `TransformPlugin`;
+/// `MinimalPlugins` are enough otherwise. The order of plugins does not matter.
 #[derive(Debug, Clone, Default)]
 pub struct HullwrightPlugin {
     /// The initial settings. Settings that were inserted before stay, unless these differ from the
     /// default in more than the contacts.
     pub settings: HullwrightSettings,
+    /// The engine that gets the colliders. Default: Rapier, or Avian where the feature `rapier` is
+    /// off.
+    pub engine: PhysicsEngine,
 }
 
 impl HullwrightPlugin {
+    /// The same for another engine, where a build has the features of both.
+    #[must_use]
+    pub fn with_engine(mut self, engine: PhysicsEngine) -> Self {
+        self.engine = engine;
+        self
+    }
+
     /// The same, but worlds of Rapier keep their own contacts.
     #[must_use]
     pub fn without_contact_dispatcher(mut self) -> Self {
@@ -166,18 +188,18 @@ impl Plugin for HullwrightPlugin {
             )
                 .chain()
                 .before(TransformSystems::Propagate)
-                .before(PhysicsSet::SyncBackend)
                 // Bevy's UI and Rapier's soft bodies write assets after transforms and before the
                 // events about them, so these can't come first. A mesh that was modified is seen in
                 // the next frame, by its event and by the mark that Bevy then sets on `Mesh3d`.
                 .before(AssetEventSystems),
         );
-        app.add_plugins((
-            tag::TagPlugin,
-            jobs::JobsPlugin,
-            collider::ColliderPlugin,
-            scene::ScenePlugin,
-        ));
+        app.add_plugins((tag::TagPlugin, jobs::JobsPlugin));
+        match self.engine {
+            #[cfg(feature = "rapier")]
+            PhysicsEngine::Rapier => add_for_engine::<engine::rapier::Rapier>(app),
+            #[cfg(feature = "avian")]
+            PhysicsEngine::Avian => add_for_engine::<engine::avian::Avian>(app),
+        }
     }
 
     /// Where a plugin is missing, Bevy's panic names a resource at best, and nothing at all may be
@@ -188,22 +210,28 @@ impl Plugin for HullwrightPlugin {
             world.contains_resource::<AssetServer>(),
             "HullwrightPlugin needs Bevy's AssetPlugin: add it, or DefaultPlugins"
         );
-        if !world.contains_resource::<Messages<CollisionEvent>>() {
-            log::warn!(
-                "RapierPhysicsPlugin is missing: colliders are made, but nothing moves or collides"
-            );
-        }
         if !app.is_plugin_added::<TransformPlugin>() {
             log::warn!(
-                "Bevy's TransformPlugin is missing: nothing has a place in the world, and Rapier's \
-                 systems fail"
+                "Bevy's TransformPlugin is missing: nothing has a place in the world, and the \
+                 physics engine's systems fail"
             );
+        }
+        match self.engine {
+            #[cfg(feature = "rapier")]
+            PhysicsEngine::Rapier => engine::rapier::Rapier::finish(app),
+            #[cfg(feature = "avian")]
+            PhysicsEngine::Avian => engine::avian::Avian::finish(app),
         }
     }
 }
 
+fn add_for_engine<E: Engine>(app: &mut App) {
+    E::build(app);
+    app.add_plugins((collider::ColliderPlugin::<E>::default(), scene::ScenePlugin::<E>::default()));
+}
+
 /// The pages' programs run as tests.
-#[cfg(doctest)]
+#[cfg(all(doctest, feature = "rapier"))]
 mod pages {
     #[doc = include_str!("../docs/bevy.md")]
     struct Index;
@@ -222,3 +250,8 @@ mod pages {
     #[doc = include_str!("../docs/bevy/troubleshooting.md")]
     struct Troubleshooting;
 }
+
+/// The page about Avian, whose programs run as tests.
+#[cfg(all(doctest, feature = "avian"))]
+#[doc = include_str!("../docs/bevy/avian.md")]
+struct PageOfAvian;

@@ -1,5 +1,7 @@
 //! What the examples without a window share: an app, bundled meshes, and whether all is ready.
 
+pub mod physics;
+
 use std::path::Path;
 use std::time::Duration;
 
@@ -8,7 +10,6 @@ use bevy::mesh::{Indices, PrimitiveTopology};
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
 use bevy_hullwright::prelude::*;
-use bevy_rapier3d::prelude::*;
 use hullwright_formats::read_mesh;
 
 /// Time that passes from update to update, however long they take.
@@ -17,14 +18,9 @@ const FRAME: Duration = Duration::from_micros(16_667);
 /// Just what physics and the plugin need of Bevy.
 pub fn app() -> App {
     let mut app = App::new();
-    app.add_plugins((
-        MinimalPlugins,
-        AssetPlugin::default(),
-        TransformPlugin,
-        RapierPhysicsPlugin::<NoUserData>::default(),
-        HullwrightPlugin::default(),
-    ))
-    .insert_resource(TimeUpdateStrategy::ManualDuration(FRAME));
+    app.add_plugins((MinimalPlugins, AssetPlugin::default(), TransformPlugin));
+    physics::plugins(&mut app);
+    app.insert_resource(TimeUpdateStrategy::ManualDuration(FRAME));
     // `App::run` does that elsewhere; these examples update by themselves.
     app.finish();
     app.cleanup();

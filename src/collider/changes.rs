@@ -9,7 +9,6 @@ use bevy::ecs::entity_disabling::Disabled;
 use bevy::ecs::query::Allow;
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
-use bevy_rapier3d::prelude::{Collider, ColliderScale, RigidBody, Sensor};
 
 use super::placement::{Placements, Stretch};
 use super::resolve::Distances;
@@ -17,6 +16,7 @@ use super::work::{
     AttachedCollider, FailedRequest, FarFromFocus, InputBoundary, MadeBefore, MadeBeforeItem,
     OwnCollider, TooSmallAt, Work,
 };
+use crate::engine::Engine;
 use crate::jobs::baked::{BakedDecomposition, FromBakedScene};
 use crate::tag::outcomes::{
     DecompositionError, DecompositionStatus, Descriptions, Outcomes, SkipReason, WaitReason,
@@ -34,14 +34,14 @@ type ChangedTag = (
 
 /// The tagged entities to which something belongs.
 #[derive(SystemParam)]
-pub(crate) struct Owners<'w, 's> {
+pub(crate) struct Owners<'w, 's, E: Engine> {
     tagged: Query<'w, 's, (), (Tagged, Allow<Disabled>)>,
-    boundaries: Query<'w, 's, (), (InputBoundary, Allow<Disabled>)>,
+    boundaries: Query<'w, 's, (), (InputBoundary<E>, Allow<Disabled>)>,
     parents: Query<'w, 's, &'static ChildOf, Allow<Disabled>>,
     children: Query<'w, 's, &'static Children, Allow<Disabled>>,
 }
 
-impl Owners<'_, '_> {
+impl<E: Engine> Owners<'_, '_, E> {
     /// An entity itself, and the one whose input it may be a part of.
     fn of(&self, entity: Entity) -> impl Iterator<Item = Entity> {
         let above = self.above(entity);
@@ -64,15 +64,15 @@ type New<'w, 's, F> = Query<'w, 's, Entity, (F, Allow<Disabled>)>;
 
 /// What came, changed or went above and below tagged entities.
 #[derive(SystemParam)]
-pub(crate) struct Structure<'w, 's> {
+pub(crate) struct Structure<'w, 's, E: Engine> {
     // What makes a part of an input another, or none.
     meshes: New<'w, 's, Changed<Mesh3d>>,
     children: New<'w, 's, Changed<Children>>,
     exclusions: New<'w, 's, Added<NoConvexDecomposition>>,
     // What also concerns all below: bodies decide what moves, and where colliders are.
-    bodies: New<'w, 's, Changed<RigidBody>>,
+    bodies: New<'w, 's, Changed<<E as Engine>::Body>>,
     parents: New<'w, 's, Changed<ChildOf>>,
-    sensors: New<'w, 's, Added<Sensor>>,
+    sensors: New<'w, 's, Added<<E as Engine>::Sensor>>,
     disabled: New<'w, 's, Added<Disabled>>,
     meshes_gone: RemovedComponents<'w, 's, Mesh3d>,
     children_gone: RemovedComponents<'w, 's, Children>,
@@ -80,19 +80,19 @@ pub(crate) struct Structure<'w, 's> {
     tags_gone: RemovedComponents<'w, 's, ConvexDecomposition>,
     baked_gone: RemovedComponents<'w, 's, BakedDecomposition>,
     scenes_gone: RemovedComponents<'w, 's, FromBakedScene>,
-    bodies_gone: RemovedComponents<'w, 's, RigidBody>,
+    bodies_gone: RemovedComponents<'w, 's, <E as Engine>::Body>,
     parents_gone: RemovedComponents<'w, 's, ChildOf>,
-    sensors_gone: RemovedComponents<'w, 's, Sensor>,
+    sensors_gone: RemovedComponents<'w, 's, <E as Engine>::Sensor>,
     disabled_gone: RemovedComponents<'w, 's, Disabled>,
-    colliders_gone: RemovedComponents<'w, 's, Collider>,
+    colliders_gone: RemovedComponents<'w, 's, <E as Engine>::Collider>,
 }
 
 /// Marks entities whose tag or surroundings changed; those with a new tag start.
-pub(crate) fn detect_tags(
+pub(crate) fn detect_tags<E: Engine>(
     mut work: Work,
     changed: Query<(Entity, Tags), ChangedTag>,
-    mut structure: Structure,
-    owners: Owners,
+    mut structure: Structure<E>,
+    owners: Owners<E>,
     mut outcomes: Outcomes,
 ) {
     let above = structure.bodies.iter().chain(&structure.parents).chain(&structure.sensors);
@@ -120,10 +120,10 @@ pub(crate) fn detect_tags(
 }
 
 /// The game has put a collider in the place of the plugin's, or where one is to come.
-pub(super) fn on_collider(
-    inserted: On<Insert<Collider>>,
+pub(super) fn on_collider<E: Engine>(
+    inserted: On<Insert<E::Collider>>,
     mut work: Work,
-    before: Query<MadeBefore, Tagged>,
+    before: Query<MadeBefore<E>, Tagged>,
 ) {
     if before.get(inserted.entity).is_ok_and(|before| before.has_games_collider()) {
         work.unfinished.marked.insert(inserted.entity);
@@ -131,10 +131,10 @@ pub(super) fn on_collider(
 }
 
 /// Meshes or baked scenes whose content came or changed.
-pub(super) fn detect_assets<A: Asset>(
+pub(super) fn detect_assets<E: Engine, A: Asset>(
     mut work: Work,
     mut events: MessageReader<AssetEvent<A>>,
-    made: Query<(Entity, MadeBefore), Tagged>,
+    made: Query<(Entity, MadeBefore<E>), Tagged>,
     takers: Query<(Entity, &FromBakedScene), With<ConvexDecomposition>>,
 ) {
     for event in events.read() {
@@ -145,7 +145,7 @@ pub(super) fn detect_assets<A: Asset>(
         };
         let asset = id.untyped();
         let is_removed = matches!(event, AssetEvent::Removed { .. });
-        let uses = |before: &MadeBeforeItem| before.requested().is_some_and(|of| of.uses(asset));
+        let uses = |before: &MadeBeforeItem<E>| before.requested().is_some_and(|of| of.uses(asset));
         let users = made.iter().filter(|(_, before)| uses(before)).map(|(entity, _)| entity);
         let users: Vec<Entity> = users.chain(work.unfinished.users(asset)).collect();
         let is_used = !users.is_empty();
@@ -179,11 +179,11 @@ type MovedBelow = (Or<(Changed<Transform>, Changed<GlobalTransform>)>, With<Chil
 
 /// Scales that changed: colliders follow them, and are made anew once they have not changed for a
 /// while.
-pub(super) fn detect_scales(
+pub(super) fn detect_scales<E: Engine>(
     mut work: Work,
     moved: Query<WithScale, Moved>,
     moved_below: Query<WithScale, MovedBelow>,
-    placements: Placements,
+    placements: Placements<E>,
 ) {
     let all = moved.iter().chain(&moved_below);
     for (entity, transform, global, is_below, own, failed, small) in all {
@@ -212,16 +212,16 @@ pub(super) fn detect_scales(
     }
 }
 
-type MovedPart = (Changed<Transform>, With<ChildOf>, Without<RigidBody>);
+type MovedPart<E> = (Changed<Transform>, With<ChildOf>, Without<<E as Engine>::Body>);
 
 /// Parts that moved relative to their tag: the collider is made anew once they rest, and so are
 /// colliders whose scale does.
-pub(super) fn detect_moved_parts(
+pub(super) fn detect_moved_parts<E: Engine>(
     mut work: Work,
     settings: Res<HullwrightSettings>,
-    moved: Query<(Entity, &Transform), MovedPart>,
-    owners: Owners,
-    placements: Placements,
+    moved: Query<(Entity, &Transform), MovedPart<E>>,
+    owners: Owners<E>,
+    placements: Placements<E>,
     mut last: Local<EntityHashMap<Transform>>,
 ) {
     let before = std::mem::take(&mut *last);
@@ -256,7 +256,7 @@ type Earlier = (Has<FailedRequest>, Option<&'static OwnCollider>, Has<AttachedCo
 type BothTags = (With<ConvexDecomposition>, With<BakedDecomposition>, Allow<Disabled>);
 
 /// A removed tag cancels its work, also when the entity is despawned.
-pub(super) fn on_untag<T: Component>(
+pub(super) fn on_untag<E: Engine, T: Component>(
     removed: On<Remove<T>>,
     mut work: Work,
     results: Query<Earlier, Allow<Disabled>>,
@@ -277,11 +277,8 @@ pub(super) fn on_untag<T: Component>(
     if has_failed {
         outcomes.commands.entity(entity).try_remove::<FailedRequest>();
     }
-    // From now on the collider is Rapier's own, which scales it by what comes on top of what is
-    // baked.
-    if let Some(scale) = attached.and_then(|own| own.stretch.scale()) {
-        let relative = ColliderScale::Relative(scale.recip());
-        outcomes.commands.entity(entity).try_insert(relative);
+    if let Some(own) = attached {
+        E::leave(&mut outcomes.commands.entity(entity), own.stretch.scale());
     }
     if work.forget(entity) {
         match attached {
@@ -317,11 +314,13 @@ pub(super) fn start_near(
     }
 }
 
+type AttachedByTag = (With<AttachedCollider>, With<ConvexDecomposition>);
+
 /// Colliders that are far go, if the settings say so.
-pub(super) fn drop_far(
+pub(super) fn drop_far<E: Engine>(
     mut work: Work,
     distances: Distances,
-    attached: Query<(Entity, MadeBefore), (With<AttachedCollider>, With<ConvexDecomposition>)>,
+    attached: Query<(Entity, MadeBefore<E>), AttachedByTag>,
     mut outcomes: Outcomes,
     mut next: Local<usize>,
 ) {
@@ -347,10 +346,10 @@ fn turn<T>(next: &mut usize, all: impl ExactSizeIterator<Item = T>) -> impl Iter
 
 /// What is shown or hidden may have something to do, or not.
 #[cfg(feature = "bevy_gltf")]
-pub(super) fn detect_shown(
+pub(super) fn detect_shown<E: Engine>(
     mut work: Work,
     changed: Query<Entity, Changed<Visibility>>,
-    owners: Owners,
+    owners: Owners<E>,
 ) {
     for entity in &changed {
         let all = std::iter::once(entity).chain(owners.children.iter_descendants(entity));

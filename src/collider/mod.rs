@@ -8,24 +8,16 @@ pub(super) mod placement;
 pub(super) mod resolve;
 mod skins;
 pub(super) mod waiting;
-mod wake;
 pub(super) mod work;
 
 use std::collections::BTreeMap;
+use std::marker::PhantomData;
 
-use bevy::ecs::query::QueryData;
-use bevy::ecs::schedule::{InternedScheduleLabel, ScheduleLabel};
-use bevy::ecs::system::{EntityCommands, SystemParam};
+use bevy::ecs::system::SystemParam;
 use bevy::mesh::skinning::SkinnedMesh;
 use bevy::prelude::*;
-use bevy_rapier3d::plugin::PhysicsSet;
-use bevy_rapier3d::plugin::context::RapierContextSimulation;
-use bevy_rapier3d::prelude::{
-    ActiveCollisionTypes, ActiveEvents, ActiveHooks, ColliderMassProperties, CollisionGroups,
-    ContactForceEventThreshold, ContactSkin, Friction, Restitution, Sensor, SolverGroups,
-};
 use hullwright::hulls_format::HullsFile;
-use hullwright_rapier::{ColliderError, ContactDispatcher};
+use hullwright_parry::ColliderError;
 
 use self::changes::{
     LoneScene, detect_assets, detect_moved_parts, detect_scales, detect_tags, drop_far,
@@ -36,13 +28,13 @@ use self::placement::{Placements, Stretch, maps_differ};
 use self::resolve::{compare_marked, resolve};
 use self::skins::warn_of_skins;
 use self::waiting::{
-    Fallbacks, Frozen, attach_fallbacks, freeze, freeze_new, hold_in, release, remove_fallbacks,
+    Fallbacks, attach_fallbacks, freeze, freeze_new, freeze_skipped, release, remove_fallbacks,
 };
-use self::wake::Sleepers;
 use self::work::{
     AttachedCollider, AttachedFallback, Ended, FailedRequest, FarFromFocus, MadeBefore,
-    MadeBeforeItem, OwnCollider, OwnMass, Requested, Unfinished, Weight, Work, attach_shape,
+    MadeBeforeItem, OwnCollider, Requested, Unfinished, Work, attach_shape,
 };
+use super::engine::{Engine, Frozen, Item, Weight};
 use super::jobs::baked::{BakedDecomposition, BakedScene};
 use super::jobs::cache::{BuiltCollider, ColliderGeometry};
 use super::jobs::{Completed, Failed, Frame, Jobs, SlicesRun, finish_jobs, start_jobs};
@@ -54,59 +46,63 @@ use super::tag::outcomes::{
 use super::tag::settings::{HullwrightSettings, HullwrightSystems};
 
 /// Turns tags into requests and results into colliders, and looks after what waits for one.
-pub(super) struct ColliderPlugin;
+pub(super) struct ColliderPlugin<E>(PhantomData<E>);
 
-impl Plugin for ColliderPlugin {
+impl<E> Default for ColliderPlugin<E> {
+    fn default() -> Self {
+        Self(PhantomData)
+    }
+}
+
+impl<E: Engine> Plugin for ColliderPlugin<E> {
     fn build(&self, app: &mut App) {
         app.init_resource::<Unfinished>()
             .init_resource::<Fallbacks>()
-            .register_type::<OwnMass>()
-            .add_observer(on_collider)
-            .add_observer(on_untag::<ConvexDecomposition>)
-            .add_observer(on_untag::<BakedDecomposition>);
-        // Where Rapier runs in fixed steps: a body that is tagged before them does not fall.
-        app.add_systems(
-            FixedUpdate,
-            freeze_new.in_set(HullwrightSystems::DetectChanges).before(PhysicsSet::SyncBackend),
-        );
+            .init_resource::<E::Cache>()
+            .add_observer(on_collider::<E>)
+            .add_observer(on_untag::<E, ConvexDecomposition>)
+            .add_observer(on_untag::<E, BakedDecomposition>);
+        // Where the engine runs in fixed steps: a body that is tagged before them does not fall.
+        app.add_systems(E::fixed_steps(), freeze_new::<E>.in_set(HullwrightSystems::DetectChanges));
         app.add_systems(
             PostUpdate,
             (
-                set_dispatcher.in_set(HullwrightSystems::DetectChanges),
                 (
-                    detect_tags,
-                    detect_assets::<Mesh>,
-                    detect_assets::<BakedScene>,
-                    detect_scales,
-                    detect_moved_parts,
+                    detect_tags::<E>,
+                    detect_assets::<E, Mesh>,
+                    detect_assets::<E, BakedScene>,
+                    detect_scales::<E>,
+                    detect_moved_parts::<E>,
                     #[cfg(feature = "bevy_gltf")]
-                    changes::detect_shown
+                    changes::detect_shown::<E>
                         .run_if(|settings: Res<HullwrightSettings>| settings.skip.hidden),
                     start_near.run_if(any_with_component::<FarFromFocus>),
-                    drop_far.run_if(|settings: Res<HullwrightSettings>| settings.skip.drop_far),
-                    compare_marked.run_if(|of: Res<Unfinished>| !of.marked.is_empty()),
+                    drop_far::<E>
+                        .run_if(|settings: Res<HullwrightSettings>| settings.skip.drop_far),
+                    compare_marked::<E>.run_if(|of: Res<Unfinished>| !of.marked.is_empty()),
                 )
                     .chain()
                     .in_set(HullwrightSystems::DetectChanges),
-                resolve
+                resolve::<E>
                     .after(finish_jobs)
                     .before(start_jobs)
                     .in_set(HullwrightSystems::RunJobs)
                     .run_if(is_busy),
-                attach_fallbacks
+                attach_fallbacks::<E>
                     .after(start_jobs)
                     .in_set(HullwrightSystems::RunJobs)
                     .run_if(|fallbacks: Res<Fallbacks>| !fallbacks.is_empty()),
                 (
-                    (attach, report_failures).chain().run_if(is_busy),
-                    follow_scales.run_if(|of: Res<Unfinished>| !of.to_follow.is_empty()),
-                    freeze.run_if(
+                    (attach::<E>, report_failures::<E>).chain().run_if(is_busy),
+                    follow_scales::<E>.run_if(|of: Res<Unfinished>| !of.to_follow.is_empty()),
+                    freeze::<E>.run_if(
                         is_busy
                             .or_else(any_with_component::<Frozen>)
                             .or_else(any_match_filter::<Added<FarFromFocus>>),
                     ),
-                    release.run_if(any_with_component::<Frozen>),
-                    remove_fallbacks.run_if(any_with_component::<AttachedFallback>),
+                    freeze_skipped::<E>.run_if(|| E::BODIES_FALL_WITHOUT_MASS),
+                    release::<E>.run_if(any_with_component::<Frozen>),
+                    remove_fallbacks::<E>.run_if(any_with_component::<AttachedFallback>),
                 )
                     .chain()
                     .in_set(CollidersAttached),
@@ -123,18 +119,6 @@ impl Plugin for ColliderPlugin {
             PostUpdate,
             CollidersAttached.before(SlicesRun).in_set(HullwrightSystems::Attach),
         );
-        hold_in(app, PostUpdate);
-        hold_in(app, FixedUpdate);
-    }
-
-    /// Rapier may run in another schedule, which is known only now.
-    fn finish(&self, app: &mut App) {
-        let known = [PostUpdate.intern(), FixedUpdate.intern()];
-        let all = app.world().resource::<Schedules>().iter().map(|(_, schedule)| schedule);
-        let steps = |of: &&Schedule| of.graph().system_sets.contains(PhysicsSet::StepSimulation);
-        let others: Vec<InternedScheduleLabel> =
-            all.filter(steps).map(Schedule::label).filter(|label| !known.contains(label)).collect();
-        others.into_iter().for_each(|schedule| hold_in(app, schedule));
     }
 }
 
@@ -150,25 +134,13 @@ fn is_busy(
     !unfinished.is_idle() || !jobs.is_idle() || counters.waiting_for_mesh > 0
 }
 
-/// Sets the dispatcher of each new world, for contacts that don't depend on the unit of length.
-/// Before the first step a world has no contacts to lose.
-fn set_dispatcher(
-    settings: Res<HullwrightSettings>,
-    mut worlds: Query<&mut RapierContextSimulation, Added<RapierContextSimulation>>,
-) {
-    if settings.contact_dispatcher {
-        for mut world in &mut worlds {
-            world.narrow_phase.set_query_dispatcher(ContactDispatcher);
-        }
-    }
-}
-
 /// Attaches colliders that are ready, within the frame's budget.
-fn attach(
+fn attach<E: Engine>(
     mut work: Work,
     Frame { mut time, settings }: Frame,
-    targets: Targets,
-    mut sleepers: Sleepers,
+    targets: Targets<E>,
+    mut cache: ResMut<E::Cache>,
+    mut is_logged: Local<bool>,
     mut outcomes: Outcomes,
 ) {
     let mut budget = time.attaching_budget(&settings);
@@ -192,7 +164,8 @@ fn attach(
             continue;
         }
         let requested = Requested { request, ..wanted };
-        let attached = targets.attach(&mut outcomes.commands, entity, &target, &requested, &built);
+        let commands = &mut outcomes.commands;
+        let attached = targets.attach(commands, entity, &target, &requested, &built, &mut cache);
         let stretch = match attached {
             Ok(stretch) => stretch,
             Err(error) => {
@@ -205,7 +178,17 @@ fn attach(
         if let Some(stretch) = stretch {
             work.unfinished.moves(entity, stretch);
         }
-        sleepers.wake(&targets.placements, entity);
+        match targets.placements.body(entity) {
+            Some((body, _)) => E::wake(&mut outcomes.commands, body),
+            None if *is_logged || targets.placements.is_sensor(entity) => {}
+            None => {
+                if let Some(why) = E::WITHOUT_BODY {
+                    *is_logged = true;
+                    let who = targets.descriptions.entity(entity, None);
+                    log::warn!("{who}: {why}; so for all others of which nothing is said");
+                }
+            }
+        }
         if let Some(reason) = requested.request.why_triangles() {
             outcomes.skipped(entity, reason);
             continue;
@@ -231,11 +214,11 @@ fn verified_distances(file: &HullsFile) -> Option<VerifiedDistances> {
 }
 
 /// Reports failures. However many entities fail of the same in a frame, the log has one line.
-fn report_failures(
+fn report_failures<E: Engine>(
     mut work: Work,
-    placements: Placements,
+    placements: Placements<E>,
     descriptions: Descriptions,
-    before: Query<MadeBefore>,
+    before: Query<MadeBefore<E>>,
     mut outcomes: Outcomes,
 ) {
     // By their text: how many, and the first of them.
@@ -274,21 +257,23 @@ fn report_failures(
 
 /// The entities that colliders are attached to.
 #[derive(SystemParam)]
-struct Targets<'w, 's> {
-    before: Query<'w, 's, MadeBefore>,
-    surfaces: Query<'w, 's, Surface>,
-    placements: Placements<'w, 's>,
+struct Targets<'w, 's, E: Engine> {
+    before: Query<'w, 's, MadeBefore<E>>,
+    surfaces: Query<'w, 's, <E as Engine>::Surface>,
+    placements: Placements<'w, 's, E>,
+    descriptions: Descriptions<'w, 's>,
 }
 
-impl Targets<'_, '_> {
+impl<E: Engine> Targets<'_, '_, E> {
     /// Attaches what was made, at the scale of now, which it returns if it was made at another.
     fn attach(
         &self,
         commands: &mut Commands,
         entity: Entity,
-        before: &MadeBeforeItem,
+        before: &MadeBeforeItem<E>,
         requested: &Requested,
         built: &BuiltCollider,
+        cache: &mut E::Cache,
     ) -> Result<Option<Stretch>, DecompositionError> {
         let place = self.placements.placement(entity);
         let mass = match &*built.geometry {
@@ -296,71 +281,39 @@ impl Targets<'_, '_> {
             ColliderGeometry::Triangles(_) | ColliderGeometry::Primitive(..) => None,
         };
         let made_map = requested.request.to_collider();
-        let own = OwnCollider::at(&place, built.shape.clone(), made_map, mass);
+        let shape = built.shape.clone();
+        let (own, collider) = OwnCollider::at::<E>(&place, shape, made_map, mass, cache);
         let mass = match (before.owns_mass(), &*built.geometry) {
             (false, _) => None,
-            (true, ColliderGeometry::Primitive(..)) => Some(mass_of_primitive(requested.weight)?),
-            (true, _) => own.weigh(requested.weight, &place.map)?,
+            (true, ColliderGeometry::Primitive(..)) => {
+                check_weight(requested.weight)?;
+                Some(E::mass_by_volume(&own.shape, requested.weight))
+            }
+            (true, _) => own.weigh::<E>(requested.weight, &place.map)?,
         };
         let mut commands = commands.entity(entity);
         if before.owns_mass() && mass.is_none() {
-            commands.try_remove::<(ColliderMassProperties, OwnMass)>();
+            E::remove_mass(&mut commands);
         }
         let record = AttachedCollider { requested: requested.clone() };
-        attach_shape(&mut commands, own, mass, record);
+        attach_shape::<E>(&mut commands, (own, collider), mass, record);
         commands.try_remove::<AttachedFallback>();
         // A collider inherits the components of its surface that it does not have itself.
         if let Ok(own) = self.surfaces.get(entity) {
             let givers = self.placements.givers(entity).filter(|giver| *giver != entity);
-            let givers: Vec<_> = givers.filter_map(|giver| self.surfaces.get(giver).ok()).collect();
-            own.inherit(&givers, &mut commands);
+            let givers: Vec<Item<E::Surface>> =
+                givers.filter_map(|giver| self.surfaces.get(giver).ok()).collect();
+            E::inherit(&own, &givers, &mut commands);
         }
         Ok(maps_differ(&made_map, &place.map).then_some(place.stretch))
     }
 }
 
-/// Declares what bevy_rapier reads from the entity of a collider, and people put on its body or its
-/// scene.
-macro_rules! surface {
-    ($($field:ident: $component:ty,)*) => {
-        #[derive(QueryData)]
-        struct Surface {
-            $($field: Option<&'static $component>,)*
-        }
-
-        impl SurfaceItem<'_, '_> {
-            fn inherit(&self, from: &[Self], to: &mut EntityCommands) {
-                $(if self.$field.is_none()
-                    && let Some(component) = from.iter().find_map(|giver| giver.$field)
-                {
-                    to.try_insert(*component);
-                })*
-            }
-        }
-    };
-}
-
-surface! {
-    friction: Friction,
-    restitution: Restitution,
-    collision_groups: CollisionGroups,
-    solver_groups: SolverGroups,
-    sensor: Sensor,
-    active_events: ActiveEvents,
-    active_hooks: ActiveHooks,
-    active_collision_types: ActiveCollisionTypes,
-    contact_force_threshold: ContactForceEventThreshold,
-    contact_skin: ContactSkin,
-}
-
-/// The mass of a box, ball or capsule, by its volume.
-fn mass_of_primitive(weight: Weight) -> Result<ColliderMassProperties, ColliderError> {
+/// Whether a box, ball or capsule can have this density or mass.
+fn check_weight(weight: Weight) -> Result<(), ColliderError> {
     let number = weight.mass.unwrap_or(weight.density);
-    if !(number.is_finite() && number > 0.0) {
-        return Err(ColliderError::UnusableMass { mass: number.into() });
+    match number.is_finite() && number > 0.0 {
+        true => Ok(()),
+        false => Err(ColliderError::UnusableMass { mass: number.into() }),
     }
-    Ok(match weight.mass {
-        Some(mass) => ColliderMassProperties::Mass(mass),
-        None => ColliderMassProperties::Density(weight.density),
-    })
 }

@@ -1,9 +1,8 @@
 //! Shapes of which another scale is made without their mesh.
 
 use bevy::math::{Affine3A, Vec3};
-use bevy_rapier3d::rapier::geometry::SharedShape;
-use bevy_rapier3d::rapier::math::Pose;
-use bevy_rapier3d::rapier::parry::shape::{Ball, Capsule, TypedShape};
+use hullwright_parry::parry3d::math::Pose;
+use hullwright_parry::parry3d::shape::{Ball, Capsule, SharedShape, TypedShape};
 
 /// A larger triangle mesh takes more time than a frame has, and waits until its scale rests.
 const MOST_TRIANGLES: usize = 5_000;
@@ -63,5 +62,5 @@ fn mapped(shape: &SharedShape, map: &Affine3A) -> Option<SharedShape> {
         Some(part.as_convex_polyhedron()?.points().iter().map(place).collect())
     };
     let hulls: Vec<Vec<[f64; 3]>> = parts.iter().map(points).collect::<Option<_>>()?;
-    hullwright_rapier::shape_from_points(&hulls, [1.0; 3]).ok()
+    hullwright_parry::shape_from_points(&hulls, [1.0; 3]).ok()
 }

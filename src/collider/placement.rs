@@ -1,14 +1,14 @@
-//! Where Rapier puts an entity's collider, and what is left to bake into its points.
+//! Where the engine puts an entity's collider, and what is left to bake into its points.
 //!
-//! Rapier places a collider by a rotation and a translation. All else that the entity's transform
+//! An engine places a collider by a rotation and a translation. All else that the entity's transform
 //! does, scale, mirroring and the shear that a non-uniform scale gives to turned children, goes
 //! into the points, so that the collider lies where the mesh is drawn.
 
 use bevy::ecs::system::SystemParam;
 use bevy::math::{Affine3A, Mat3A, Vec3A};
 use bevy::prelude::*;
-use bevy_rapier3d::prelude::{RigidBody, Sensor};
 
+use crate::engine::{Engine, Motion};
 use crate::tag::DecompositionShape;
 use crate::tag::outcomes::SkipReason;
 use crate::tag::settings::HullwrightSettings;
@@ -18,6 +18,8 @@ use crate::tag::settings::HullwrightSettings;
 pub(super) struct Placement {
     /// From the tagged entity's space to the collider's.
     pub map: Affine3A,
+    /// With which the engine scales the collider that it is given, if it does.
+    pub engine_scale: Vec3,
     /// Tells whether the scale has changed since.
     pub stretch: Stretch,
 }
@@ -28,7 +30,7 @@ pub(crate) struct Stretch {
     /// Products of the columns with each other.
     products: [f32; 6],
     is_mirrored: bool,
-    /// Below a body, the axes along which transforms mirror: Rapier leaves out what they turn in
+    /// Below a body, the axes along which transforms mirror: engines leave out what they turn in
     /// pairs.
     signs: [bool; 3],
 }
@@ -100,20 +102,20 @@ pub(crate) struct GivesSurface;
 
 /// What placements are computed from, and whether colliders ever move.
 #[derive(SystemParam)]
-pub(super) struct Placements<'w, 's> {
+pub(super) struct Placements<'w, 's, E: Engine> {
     global: TransformHelper<'w, 's>,
     transforms: Query<'w, 's, &'static Transform>,
     parents: Query<'w, 's, &'static ChildOf>,
-    bodies: Query<'w, 's, &'static RigidBody>,
-    sensors: Query<'w, 's, (), With<Sensor>>,
+    bodies: Query<'w, 's, &'static <E as Engine>::Body>,
+    sensors: Query<'w, 's, (), With<<E as Engine>::Sensor>>,
     givers: Query<'w, 's, (), With<GivesSurface>>,
     settings: Res<'w, HullwrightSettings>,
 }
 
-impl Placements<'_, '_> {
+impl<E: Engine> Placements<'_, '_, E> {
     /// The body that moves an entity: its own or the nearest above it.
-    pub(super) fn body(&self, entity: Entity) -> Option<(Entity, RigidBody)> {
-        let body = |entity| Some((entity, *self.bodies.get(entity).ok()?));
+    pub(super) fn body(&self, entity: Entity) -> Option<(Entity, Motion)> {
+        let body = |entity| Some((entity, E::motion(self.bodies.get(entity).ok()?)));
         body(entity).or_else(|| self.parents.iter_ancestors(entity).find_map(body))
     }
 
@@ -132,12 +134,18 @@ impl Placements<'_, '_> {
         up_to_body.filter(move |giver| body == Some(*giver) || self.givers.contains(*giver))
     }
 
-    /// Whether Rapier would turn the body of an entity: it keeps a rotation and no mirroring, and
+    /// Whether the engine would turn the body of an entity: it keeps a rotation and no mirroring, and
     /// Bevy takes any mirroring for one along x and a rotation.
     pub(super) fn has_mirrored_body(&self, entity: Entity) -> bool {
         let Some((body, kind)) = self.body(entity) else { return false };
         let scale = self.transforms.get(body).map_or(Vec3::ONE, |transform| transform.scale);
-        kind != RigidBody::Fixed && (scale.y < 0.0 || scale.z < 0.0)
+        kind != Motion::Fixed && (scale.y < 0.0 || scale.z < 0.0)
+    }
+
+    /// Whether a collider is a sensor, by itself or by what gives it its components.
+    pub(super) fn is_sensor(&self, entity: Entity) -> bool {
+        let is_sensor = |entity| self.sensors.contains(entity);
+        is_sensor(entity) || self.givers(entity).any(is_sensor)
     }
 
     /// Why an entity gets its triangles: what never moves does. `None` for what its tag says.
@@ -151,13 +159,12 @@ impl Placements<'_, '_> {
             DecompositionShape::Auto if self.settings.exact_static_colliders => {}
             _ => return None,
         }
-        let is_sensor = |entity| self.sensors.contains(entity);
-        if is_sensor(entity) || self.givers(entity).any(is_sensor) {
+        if self.is_sensor(entity) {
             return None;
         }
         match self.body(entity) {
             None => Some(SkipReason::NoBody),
-            Some((_, RigidBody::Fixed)) => Some(SkipReason::FixedBody),
+            Some((_, Motion::Fixed)) => Some(SkipReason::FixedBody),
             Some(_) => None,
         }
     }
@@ -188,7 +195,7 @@ impl Placements<'_, '_> {
             }
             _ => snap(Affine3A::from_mat3(without_rotation(&global).into()), Vec3A::ZERO),
         };
-        Placement { map, stretch }
+        Placement { map, engine_scale: self.scale_of_all(entity), stretch }
     }
 
     /// The scale that an entity has now, also before Bevy propagates it.
@@ -217,18 +224,28 @@ impl Placements<'_, '_> {
         self.global.compute_global_transform(entity).unwrap_or_default()
     }
 
-    /// Where bevy_rapier puts the collider of an entity below a body, in the body's frame: it
+    /// The product of the scales of an entity and all above it, along the local axes of each.
+    fn scale_of_all(&self, entity: Entity) -> Vec3 {
+        let all = std::iter::once(entity).chain(self.parents.iter_ancestors(entity));
+        all.filter_map(|entity| self.transforms.get(entity).ok())
+            .fold(Vec3::ONE, |scale, transform| transform.scale * scale)
+    }
+
+    /// Where the engine puts the collider of an entity below a body, in the body's frame: it
     /// multiplies the local transforms up to the body's scale.
     fn offset(&self, entity: Entity, body: Entity) -> Affine3A {
         let put = |offset, transform: &Transform| *transform * offset;
         let offset = self.transforms_below(body, entity).fold(Transform::IDENTITY, put);
-        let scale = self.transforms.get(body).map_or(Vec3::ONE, |transform| transform.scale);
+        let scale = match E::OFFSETS_HAVE_SCALE_OF_ANCESTORS {
+            true => self.scale_of_all(body),
+            false => self.transforms.get(body).map_or(Vec3::ONE, |transform| transform.scale),
+        };
         let offset = Transform::from_scale(scale) * offset;
         Affine3A::from_rotation_translation(offset.rotation, offset.translation)
     }
 }
 
-/// The linear part of a transform in the frame of the rotation that Rapier takes from it.
+/// The linear part of a transform in the frame of the rotation that engines take from it.
 fn without_rotation(transform: &GlobalTransform) -> Mat3A {
     let (_, rotation, _) = transform.to_scale_rotation_translation();
     let matrix = transform.affine().matrix3;

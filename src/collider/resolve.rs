@@ -12,14 +12,14 @@ use bevy::math::{Affine3A, Vec3A};
 use bevy::mesh::VertexAttributeValues;
 use bevy::prelude::*;
 use hullwright_formats::conventions::is_coarser_level;
-use hullwright_rapier::ColliderError;
+use hullwright_parry::ColliderError;
 
 use super::placement::{Placement, Placements};
 use super::waiting::Fallbacks;
 use super::work::{
-    FailedRequest, FarFromFocus, InputBoundary, MadeBefore, Presence, Requested, TooSmallAt,
-    Weight, Work,
+    FailedRequest, FarFromFocus, InputBoundary, MadeBefore, Presence, Requested, TooSmallAt, Work,
 };
+use crate::engine::{Engine, Weight};
 use crate::jobs::baked::{BakedDecomposition, BakedScene, FromBakedScene};
 use crate::jobs::label::is_for_gpu_only;
 use crate::jobs::request::{ColliderRequest, InputId, MapKey, MeshPart};
@@ -71,10 +71,10 @@ impl Levels<'_, '_> {
 
 /// Everything from which requests follow.
 #[derive(SystemParam)]
-pub(super) struct Scene<'w, 's> {
-    tags: Query<'w, 's, Tag>,
+pub(super) struct Scene<'w, 's, E: Engine> {
+    tags: Query<'w, 's, Tag<E>>,
     disabled: Query<'w, 's, (), With<Disabled>>,
-    boundaries: Query<'w, 's, (), InputBoundary>,
+    boundaries: Query<'w, 's, (), InputBoundary<E>>,
     meshes_on: Query<'w, 's, &'static Mesh3d>,
     children: Query<'w, 's, &'static Children>,
     parents: Query<'w, 's, &'static ChildOf>,
@@ -82,7 +82,7 @@ pub(super) struct Scene<'w, 's> {
     levels: Levels<'w, 's>,
     #[cfg(feature = "bevy_gltf")]
     visibilities: Query<'w, 's, &'static Visibility>,
-    placements: Placements<'w, 's>,
+    placements: Placements<'w, 's, E>,
     distances: Distances<'w, 's>,
     descriptions: Descriptions<'w, 's>,
     meshes: Res<'w, Assets<Mesh>>,
@@ -91,11 +91,11 @@ pub(super) struct Scene<'w, 's> {
 }
 
 #[derive(QueryData)]
-struct Tag {
+struct Tag<E: Engine> {
     tag: Option<&'static ConvexDecomposition>,
     baked: Option<&'static BakedDecomposition>,
     scene: Option<&'static FromBakedScene>,
-    before: MadeBefore,
+    before: MadeBefore<E>,
     is_too_small: Has<TooSmallAt>,
 }
 
@@ -110,7 +110,7 @@ enum Resolution {
 }
 
 /// Compares what marked entities are made of now with what they were: those that differ start anew.
-pub(super) fn compare_marked(mut work: Work, scene: Scene, outcomes: Outcomes) {
+pub(super) fn compare_marked<E: Engine>(mut work: Work, scene: Scene<E>, outcomes: Outcomes) {
     for entity in std::mem::take(&mut work.unfinished.marked) {
         if !work.is_resolved(entity) {
             continue;
@@ -147,11 +147,11 @@ pub(super) fn compare_marked(mut work: Work, scene: Scene, outcomes: Outcomes) {
 }
 
 /// Resolves entities whose meshes are not known yet, each at most once per frame.
-pub(super) fn resolve(
+pub(super) fn resolve<E: Engine>(
     mut work: Work,
     Frame { mut time, settings }: Frame,
     mut fallbacks: ResMut<Fallbacks>,
-    scene: Scene,
+    scene: Scene<E>,
     mut outcomes: Outcomes,
 ) {
     let mut budget = time.budget(&settings);
@@ -227,7 +227,7 @@ pub(super) fn resolve(
                     outcomes.show(entity, DecompositionStatus::Waiting(WaitReason::InQueue));
                     // Before its first collider.
                     if let TagItem { tag: Some(of), baked: None, before, .. } = tag
-                        && before.collider.is_none()
+                        && !before.has_collider()
                         && let kind = of.fallback_collider.unwrap_or(settings.fallback_collider)
                         && kind != FallbackCollider::None
                     {
@@ -251,8 +251,8 @@ pub(super) fn resolve(
     }
 }
 
-impl Scene<'_, '_> {
-    fn resolution(&self, entity: Entity, tag: &TagItem, jobs: &Jobs) -> Resolution {
+impl<E: Engine> Scene<'_, '_, E> {
+    fn resolution(&self, entity: Entity, tag: &TagItem<E>, jobs: &Jobs) -> Resolution {
         if tag.before.has_games_collider() {
             return Resolution::Skipped(SkipReason::HasCollider);
         }
@@ -262,7 +262,7 @@ impl Scene<'_, '_> {
                 Some(reason) => Resolution::Skipped(reason),
                 None => self.mesh_request(entity, of_meshes, tag.scene, jobs),
             },
-            // What it had is Rapier's own now.
+            // What it had is the engine's own now.
             (None, None) if tag.before.attached.is_some() => {
                 Resolution::Skipped(SkipReason::HasCollider)
             }
@@ -297,7 +297,7 @@ impl Scene<'_, '_> {
 
     fn baked_request(&self, entity: Entity, baked: &BakedDecomposition, jobs: &Jobs) -> Resolution {
         let id = baked.scene.id().untyped();
-        let Placement { map, stretch } = self.placements.placement(entity);
+        let Placement { map, stretch, .. } = self.placements.placement(entity);
         let edition = jobs.edition([id]);
         let request = ColliderRequest {
             input: Arc::new(InputId::Baked { scene: id, mesh: baked.mesh.clone(), edition }),
@@ -374,7 +374,7 @@ impl Scene<'_, '_> {
                 None => {}
             }
         }
-        let Placement { map: to_collider, stretch } = self.placements.placement(entity);
+        let Placement { map: to_collider, stretch, .. } = self.placements.placement(entity);
         if missing.is_none() && self.is_too_small(&parts, &to_collider) {
             return Resolution::Skipped(SkipReason::TooSmall);
         }

@@ -4,69 +4,51 @@
 use std::collections::VecDeque;
 use std::sync::Arc;
 
-use bevy::ecs::entity::{EntityHashMap, EntityHashSet};
-use bevy::ecs::schedule::ScheduleLabel;
+use bevy::ecs::entity::EntityHashMap;
 use bevy::ecs::system::SystemParam;
 use bevy::math::Affine3A;
 use bevy::prelude::*;
 use bevy::tasks::{Task, block_on, poll_once};
-use bevy_rapier3d::plugin::PhysicsSet;
-use bevy_rapier3d::prelude::{
-    Collider, ColliderMassProperties, RapierContextEntityLink, RapierRigidBodyHandle,
-    RapierRigidBodySet, RigidBody,
-};
-use bevy_rapier3d::rapier::dynamics;
-use bevy_rapier3d::rapier::geometry::SharedShape;
-use bevy_rapier3d::rapier::math::Vector;
 use hullwright::hull::{HullBuilder, solid_hull};
+use hullwright_parry::parry3d::shape::SharedShape;
 
 use super::placement::Placements;
 use super::work::{
-    AttachedCollider, AttachedFallback, FarFromFocus, MadeBefore, OwnCollider, Unfinished, Work,
-    attach_shape,
+    AttachedCollider, AttachedFallback, FarFromFocus, MadeBefore, MadeBeforeItem, OwnCollider,
+    Unfinished, Work, attach_shape,
 };
+use crate::engine::{Engine, Frozen, Motion, Weight};
 use crate::jobs::Frame;
 use crate::jobs::baked::BakedDecomposition;
 use crate::jobs::request::{ColliderRequest, MeshData, read_parts};
 use crate::jobs::task::{contain_panics, primitive_around};
 use crate::tag::ConvexDecomposition;
-use crate::tag::outcomes::DecompositionStatus;
+use crate::tag::outcomes::{DecompositionStatus, SkipReason};
 use crate::tag::parameters::PrimitiveKind;
 use crate::tag::settings::{Execution, FallbackCollider, HullwrightSettings};
 
-/// On a body that is frozen: the entities that it waits for. It is held in Rapier alone and during
-/// steps alone, so that what users see, clone and save of it is their own.
-#[derive(Component, Debug, Default)]
-pub(crate) struct Frozen {
-    for_entities: EntityHashSet,
-    /// What it has before the step.
-    held: Option<Held>,
-}
-
-/// What a body is to have again after the step.
-#[derive(Debug, Clone, Copy)]
-struct Held {
-    velocity: [Vector; 2],
-    locked: dynamics::LockedAxes,
-}
-
 /// Tags of this frame, on what has no collider of its own.
-type NewTag = (Or<(Added<ConvexDecomposition>, Added<BakedDecomposition>)>, Without<Collider>);
+type NewTag<E> =
+    (Or<(Added<ConvexDecomposition>, Added<BakedDecomposition>)>, Without<<E as Engine>::Collider>);
 
 /// The bodies of entities that wait.
 #[derive(SystemParam)]
-pub(super) struct Bodies<'w, 's> {
-    placements: Placements<'w, 's>,
+pub(super) struct Bodies<'w, 's, E: Engine> {
+    placements: Placements<'w, 's, E>,
     attached: Query<'w, 's, (), With<AttachedCollider>>,
     frozen: Query<'w, 's, &'static mut Frozen>,
 }
 
-impl Bodies<'_, '_> {
+impl<E: Engine> Bodies<'_, '_, E> {
+    fn hangs(&self, entity: Entity, hanging: &Hanging<E>) -> bool {
+        self.placements.body(entity).is_some_and(|(body, _)| hanging.is_hanging(body))
+    }
+
     /// Freezes the bodies of those that have no collider yet.
     fn freeze_for(&mut self, entities: impl Iterator<Item = Entity>, commands: &mut Commands) {
         let mut new: EntityHashMap<Frozen> = EntityHashMap::default();
         for entity in entities {
-            let Some((body, RigidBody::Dynamic)) = self.placements.body(entity) else { continue };
+            let Some((body, Motion::Dynamic)) = self.placements.body(entity) else { continue };
             if self.attached.contains(entity) {
                 continue;
             }
@@ -82,12 +64,12 @@ impl Bodies<'_, '_> {
 }
 
 /// Freezes the bodies of entities that wait for their first collider.
-pub(super) fn freeze(
+pub(super) fn freeze<E: Engine>(
     mut commands: Commands,
     unfinished: Res<Unfinished>,
     settings: Res<HullwrightSettings>,
     far: Query<Entity, Added<FarFromFocus>>,
-    mut bodies: Bodies,
+    mut bodies: Bodies<E>,
 ) {
     if settings.freeze_until_ready {
         let waiting = unfinished.awake().chain(&far);
@@ -97,11 +79,11 @@ pub(super) fn freeze(
 
 /// Freezes bodies in the fixed step in which they are tagged: physics may run there before the
 /// plugin does.
-pub(super) fn freeze_new(
+pub(super) fn freeze_new<E: Engine>(
     mut commands: Commands,
     settings: Res<HullwrightSettings>,
-    tagged: Query<(Entity, &DecompositionStatus), NewTag>,
-    mut bodies: Bodies,
+    tagged: Query<(Entity, &DecompositionStatus), NewTag<E>>,
+    mut bodies: Bodies<E>,
 ) {
     if settings.freeze_until_ready {
         let waits = |(entity, status): (Entity, &DecompositionStatus)| {
@@ -111,84 +93,72 @@ pub(super) fn freeze_new(
     }
 }
 
+/// Bodies that hang where those without mass fall: all of their meshes are skipped.
+#[derive(SystemParam)]
+pub(super) struct Hanging<'w, 's, E: Engine> {
+    statuses: Query<'w, 's, &'static DecompositionStatus>,
+    made: Query<'w, 's, MadeBefore<E>>,
+    children: Query<'w, 's, &'static Children>,
+}
+
+impl<E: Engine> Hanging<'_, '_, E> {
+    /// An entity and all below it.
+    fn all(&self, body: Entity) -> impl Iterator<Item = Entity> {
+        std::iter::once(body).chain(self.children.iter_descendants(body))
+    }
+
+    fn is_skipped(&self, entity: Entity) -> bool {
+        use SkipReason::{Hidden, TooSmall};
+        let status = self.statuses.get(entity);
+        matches!(status, Ok(DecompositionStatus::Skipped(Hidden | TooSmall)))
+    }
+
+    /// Whether a body has a mesh that is skipped, and neither a collider nor a mass of the game's
+    /// own.
+    fn is_hanging(&self, body: Entity) -> bool {
+        let hangs = |made: MadeBeforeItem<E>| !made.has_collider() && made.owns_mass();
+        E::BODIES_FALL_WITHOUT_MASS
+            && self.all(body).any(|entity| self.is_skipped(entity))
+            && self.all(body).all(|entity| self.made.get(entity).is_ok_and(hangs))
+    }
+}
+
+/// Freezes bodies whose meshes are all skipped, where those without mass fall.
+pub(super) fn freeze_skipped<E: Engine>(
+    mut commands: Commands,
+    changed: Query<Entity, Changed<DecompositionStatus>>,
+    new_bodies: Query<Entity, Added<<E as Engine>::Body>>,
+    settings: Res<HullwrightSettings>,
+    hanging: Hanging<E>,
+    mut bodies: Bodies<E>,
+) {
+    if settings.freeze_until_ready {
+        let below = new_bodies.iter().flat_map(|body| hanging.all(body));
+        let skipped = changed.iter().chain(below).filter(|entity| hanging.is_skipped(*entity));
+        let skipped: Vec<Entity> =
+            skipped.filter(|entity| bodies.hangs(*entity, &hanging)).collect();
+        bodies.freeze_for(skipped.into_iter(), &mut commands);
+    }
+}
+
 /// One whose tag was removed is not waited for.
 type IsFar = (With<FarFromFocus>, With<ConvexDecomposition>);
 
 /// Releases bodies whose entities are all finished.
-pub(super) fn release(
+pub(super) fn release<E: Engine>(
     mut commands: Commands,
     unfinished: Res<Unfinished>,
     far: Query<(), IsFar>,
+    hanging: Hanging<E>,
     mut frozen: Query<(Entity, &mut Frozen)>,
 ) {
     let waits = |entity: &Entity| unfinished.contains(*entity) || far.contains(*entity);
     for (body, mut frozen) in &mut frozen {
         frozen.for_entities.retain(waits);
-        if frozen.for_entities.is_empty() {
+        if frozen.for_entities.is_empty() && !hanging.is_hanging(body) {
             commands.entity(body).try_remove::<Frozen>();
         }
     }
-}
-
-/// Holds frozen bodies during the steps of a schedule.
-pub(super) fn hold_in(app: &mut App, schedule: impl ScheduleLabel) {
-    app.add_systems(
-        schedule,
-        (
-            hold.after(PhysicsSet::SyncBackend).before(PhysicsSet::StepSimulation),
-            let_go.after(PhysicsSet::StepSimulation).before(PhysicsSet::Writeback),
-        )
-            .chain()
-            .run_if(any_with_component::<Frozen>),
-    );
-}
-
-/// Frozen bodies, as Rapier has them.
-#[derive(SystemParam)]
-pub(super) struct FrozenBodies<'w, 's> {
-    frozen: Query<'w, 's, (&'static mut Frozen, BodyHandle)>,
-    sets: Query<'w, 's, &'static mut RapierRigidBodySet>,
-}
-
-type BodyHandle = (&'static RapierRigidBodyHandle, &'static RapierContextEntityLink);
-
-impl FrozenBodies<'_, '_> {
-    fn for_each(&mut self, run: impl Fn(&mut Option<Held>, &mut dynamics::RigidBody)) {
-        for (mut frozen, (handle, context)) in &mut self.frozen {
-            if let Ok(mut set) = self.sets.get_mut(context.0)
-                && let Some(body) = set.bodies.get_mut(handle.0)
-            {
-                run(&mut frozen.held, body);
-            }
-        }
-    }
-}
-
-/// Rapier moves by its velocity also what is locked. A clone may share its body with the original,
-/// and what is held by one of them is not held again.
-fn hold(mut bodies: FrozenBodies) {
-    bodies.for_each(|held, body| {
-        let (velocity, locked) = ([body.linvel(), body.angvel()], body.locked_axes());
-        let is_held = locked == dynamics::LockedAxes::all() && velocity == [Vector::ZERO; 2];
-        if body.is_dynamic() && !is_held {
-            *held = Some(Held { velocity, locked });
-            body.set_linvel(Vector::ZERO, false);
-            body.set_angvel(Vector::ZERO, false);
-            body.set_locked_axes(dynamics::LockedAxes::all(), false);
-        }
-    });
-}
-
-/// Awake, since it is to fall as soon as it is released.
-fn let_go(mut bodies: FrozenBodies) {
-    bodies.for_each(|held, body| {
-        if let Some(Held { velocity: [linear, angular], locked }) = held.take() {
-            body.set_locked_axes(locked, true);
-            body.wake_up(true);
-            body.set_linvel(linear, true);
-            body.set_angvel(angular, true);
-        }
-    });
 }
 
 /// Fallback colliders to be made, each for what its entity requests.
@@ -215,19 +185,20 @@ impl Fallbacks {
 
 /// What fallback colliders are made from, and the entities that get them.
 #[derive(SystemParam)]
-pub(super) struct Targets<'w, 's> {
+pub(super) struct Targets<'w, 's, E: Engine> {
     meshes: Res<'w, Assets<Mesh>>,
-    tags: Query<'w, 's, (&'static ConvexDecomposition, MadeBefore)>,
-    placements: Placements<'w, 's>,
+    tags: Query<'w, 's, (&'static ConvexDecomposition, MadeBefore<E>)>,
+    placements: Placements<'w, 's, E>,
 }
 
 /// Makes fallback colliders for entities in the queue, within the frame's budget.
-pub(super) fn attach_fallbacks(
+pub(super) fn attach_fallbacks<E: Engine>(
     mut commands: Commands,
     mut fallbacks: ResMut<Fallbacks>,
+    mut cache: ResMut<E::Cache>,
     Frame { mut time, settings }: Frame,
     Work { unfinished, mut jobs }: Work,
-    Targets { meshes, tags, placements }: Targets,
+    Targets { meshes, tags, placements }: Targets<E>,
 ) {
     let fallbacks = &mut *fallbacks;
     // An entity that was forgotten, or has other meshes by now, has no use for it.
@@ -236,13 +207,16 @@ pub(super) fn attach_fallbacks(
     };
     let mut attach = |entity: Entity, request: &ColliderRequest, made: SharedShape| {
         let Ok((tag, before)) = tags.get(entity) else { return };
-        if before.collider.is_some() {
+        if before.has_collider() {
             return;
         }
         let place = placements.placement(entity);
-        let own = OwnCollider::at(&place, made, request.to_collider(), None);
-        let mass = before.owns_mass().then_some(ColliderMassProperties::Density(tag.density));
-        attach_shape(&mut commands.entity(entity), own, mass, AttachedFallback);
+        let made_map = request.to_collider();
+        let (own, collider) = OwnCollider::at::<E>(&place, made, made_map, None, &mut cache);
+        let weight = Weight { density: tag.density, mass: None };
+        let mass = before.owns_mass().then(|| E::mass_by_volume(&own.shape, weight));
+        let mut entity = commands.entity(entity);
+        attach_shape::<E>(&mut entity, (own, collider), mass, AttachedFallback);
     };
     let mut budget = time.budget(&settings);
     while !fallbacks.waiting.is_empty() && budget.allows_one() {
@@ -285,9 +259,9 @@ pub(super) fn attach_fallbacks(
 }
 
 /// Removes the fallback colliders of entities that get no collider.
-pub(super) fn remove_fallbacks(
+pub(super) fn remove_fallbacks<E: Engine>(
     mut commands: Commands,
-    fallbacks: Query<(Entity, MadeBefore, &DecompositionStatus), With<AttachedFallback>>,
+    fallbacks: Query<(Entity, MadeBefore<E>, &DecompositionStatus), With<AttachedFallback>>,
 ) {
     for (entity, before, status) in &fallbacks {
         if status.has_collider() == Some(false) {
@@ -299,5 +273,5 @@ pub(super) fn remove_fallbacks(
 fn convex_hull(data: &MeshData) -> Option<SharedShape> {
     let points: Vec<[f64; 3]> = data.used_points().map(|point| point.map(f64::from)).collect();
     let (hull, _) = solid_hull(&mut HullBuilder::new(), &points, [0.0; 3], 0.0).ok()?;
-    hullwright_rapier::shape_from_points(&[hull.points], [1.0; 3]).ok()
+    hullwright_parry::shape_from_points(&[hull.points], [1.0; 3]).ok()
 }

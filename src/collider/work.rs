@@ -11,15 +11,13 @@ use bevy::ecs::system::{EntityCommands, SystemParam};
 use bevy::math::Affine3A;
 use bevy::platform::time::Instant;
 use bevy::prelude::*;
-use bevy_rapier3d::prelude::{
-    self as dynamics, Collider, ColliderMassProperties, ColliderScale, RigidBody,
-};
-use bevy_rapier3d::rapier::geometry::SharedShape;
 use hullwright::MassProperties;
-use hullwright_rapier::ColliderError;
+use hullwright_parry::ColliderError;
+use hullwright_parry::parry3d::shape::SharedShape;
 
 use super::moved::moved;
 use super::placement::{Placement, Stretch, maps_differ};
+use crate::engine::{Engine, Present, Weight};
 use crate::jobs::Jobs;
 use crate::jobs::baked::BakedDecomposition;
 use crate::jobs::request::ColliderRequest;
@@ -29,25 +27,12 @@ use crate::tag::parameters::Goal;
 use crate::tag::{ConvexDecomposition, NoConvexDecomposition};
 
 /// What has any of these is left out of the input above it, with all below it.
-pub(super) type InputBoundary = Or<(
+pub(super) type InputBoundary<E> = Or<(
     With<ConvexDecomposition>,
     With<BakedDecomposition>,
-    With<RigidBody>,
+    With<<E as Engine>::Body>,
     With<NoConvexDecomposition>,
 )>;
-
-/// What a tag says of the mass.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Weight {
-    pub density: f32,
-    pub mass: Option<f32>,
-}
-
-impl Weight {
-    fn bits(self) -> (u32, Option<u32>) {
-        (self.density.to_bits(), self.mass.map(f32::to_bits))
-    }
-}
 
 /// All that a collider is made of. It is compared wherever something may have changed: what
 /// requests the same keeps its collider, and its job.
@@ -76,7 +61,8 @@ impl Requested {
     }
 
     fn has_other_weight(&self, other: &Self) -> bool {
-        self.weight.bits() != other.weight.bits()
+        let bits = |of: Weight| (of.density.to_bits(), of.mass.map(f32::to_bits));
+        bits(self.weight) != bits(other.weight)
     }
 }
 
@@ -97,21 +83,28 @@ pub(crate) struct OwnCollider {
     pub made_map: Affine3A,
     /// Of hulls, at a density of 1 and in the mesh's own space.
     pub mass: Option<MassProperties>,
-    /// That of the entity's `Collider`, unless another was put there.
+    /// As it is by now, at the scale of the entity.
     pub shape: SharedShape,
+    /// That of the entity's collider, unless another was put there: the engine scales it.
+    unscaled: SharedShape,
     /// The scale that it has.
     pub stretch: Stretch,
 }
 
 impl OwnCollider {
     /// A shape that was made with a map, moved to where its entity is.
-    pub(super) fn at(
+    pub(super) fn at<E: Engine>(
         place: &Placement,
         made: SharedShape,
         made_map: Affine3A,
         mass: Option<MassProperties>,
-    ) -> Self {
-        let own = |shape, stretch| Self { made: made.clone(), made_map, mass, shape, stretch };
+        cache: &mut E::Cache,
+    ) -> (Self, E::Collider) {
+        let mut own = |shape, stretch| {
+            let collider = E::collider(&shape, place.engine_scale, cache);
+            let unscaled = E::unscaled(&collider).clone();
+            (Self { made: made.clone(), made_map, mass, shape, unscaled, stretch }, collider)
+        };
         if !maps_differ(&made_map, &place.map) {
             return own(made.clone(), place.stretch);
         }
@@ -122,39 +115,35 @@ impl OwnCollider {
         }
     }
 
-    /// Whether an entity's collider is this one. One that was left to bevy_rapier has its scale.
-    pub(super) fn is(&self, collider: &Collider, scale: Option<&ColliderScale>) -> bool {
-        Arc::ptr_eq(&collider.raw.0, &self.shape.0)
-            || matches!(scale, Some(ColliderScale::Relative(_)))
+    /// Whether a collider is this one.
+    pub(super) fn is(&self, present: &Present) -> bool {
+        Arc::ptr_eq(&present.unscaled.0, &self.unscaled.0)
+    }
+
+    /// Changes to another shape at the scale that the entity has by now.
+    pub(super) fn change<E: Engine>(
+        &mut self,
+        shape: SharedShape,
+        place: &Placement,
+    ) -> E::Collider {
+        // One that changes each frame is not worth keeping.
+        let collider = E::collider(&shape, place.engine_scale, &mut E::Cache::default());
+        self.unscaled = E::unscaled(&collider).clone();
+        (self.shape, self.stretch) = (shape, place.stretch);
+        collider
     }
 
     /// The mass with a map; `None` for what has none.
-    pub(super) fn weigh(
+    pub(super) fn weigh<E: Engine>(
         &self,
         weight: Weight,
         map: &Affine3A,
-    ) -> Result<Option<ColliderMassProperties>, ColliderError> {
+    ) -> Result<Option<E::Mass>, ColliderError> {
         let Some(properties) = self.mass else { return Ok(None) };
         let by_density = properties.with_mass(properties.mass * f64::from(weight.density));
         let mapped = map_mass(&by_density, map);
         let mapped = weight.mass.map_or(mapped, |mass| mapped.with_mass(mass.into()));
-        let properties = hullwright_rapier::mass_properties(&mapped, [1.0; 3])?;
-        let properties = dynamics::MassProperties::from_rapier(properties);
-        Ok(Some(ColliderMassProperties::MassProperties(properties)))
-    }
-}
-
-/// The mass properties that the plugin gave an entity. Other ones are the game's own, and stay. A
-/// save has both.
-#[derive(Component, Reflect, Debug, Clone, Copy, PartialEq)]
-#[reflect(Component, Clone, PartialEq)]
-#[type_path = "hullwright"]
-pub(crate) struct OwnMass(pub ColliderMassProperties);
-
-impl OwnMass {
-    /// Whether the mass properties of an entity are the plugin's to set.
-    pub(super) fn owns(own: Option<&Self>, present: Option<&ColliderMassProperties>) -> bool {
-        present.is_none_or(|present| own.is_some_and(|own| own.0 == *present))
+        Ok(Some(E::mass(hullwright_parry::mass_properties(&mapped, [1.0; 3])?)))
     }
 }
 
@@ -186,31 +175,32 @@ impl FailedRequest {
 
 /// What an entity's work came to before.
 #[derive(QueryData)]
-pub(crate) struct MadeBefore {
+pub(crate) struct MadeBefore<E: Engine> {
     pub attached: Option<&'static AttachedCollider>,
     pub(super) failed: Option<&'static FailedRequest>,
     own: Option<&'static OwnCollider>,
-    pub collider: Option<&'static Collider>,
-    scale: Option<&'static ColliderScale>,
-    mass: Option<&'static ColliderMassProperties>,
-    own_mass: Option<&'static OwnMass>,
+    in_engine: E::Made,
 }
 
-impl MadeBeforeItem<'_, '_> {
+impl<E: Engine> MadeBeforeItem<'_, '_, E> {
     /// What it has requested last. What failed has at most the collider of an earlier request.
     pub(super) fn requested(&self) -> Option<&Requested> {
         let failed = self.failed.map(|failed| &failed.requested);
         failed.or(self.attached.map(|attached| &attached.requested))
     }
 
-    /// Whether its collider is the game's.
+    pub(super) fn has_collider(&self) -> bool {
+        E::present(&self.in_engine).is_some()
+    }
+
+    /// Whether its collider is the game's. One that was left to the engine has its scale.
     pub(super) fn has_games_collider(&self) -> bool {
-        let is_own = |of: &Collider| self.own.is_some_and(|own| own.is(of, self.scale));
-        self.collider.is_some_and(|collider| !is_own(collider))
+        E::present(&self.in_engine)
+            .is_some_and(|present| !self.own.is_some_and(|own| present.is_left || own.is(&present)))
     }
 
     pub(super) fn owns_mass(&self) -> bool {
-        OwnMass::owns(self.own_mass, self.mass)
+        E::owns_mass(&self.in_engine)
     }
 
     /// Whether the same would come of a request.
@@ -229,7 +219,7 @@ impl MadeBeforeItem<'_, '_> {
                 };
         }
         let has_its_scale = self.own.is_some_and(|own| !own.stretch.differs(&wanted.stretch));
-        self.collider.is_some()
+        self.has_collider()
             && has_its_scale
             && !last.has_other_scale(wanted)
             && *presence != Presence::Never(MirroredBody)
@@ -242,11 +232,11 @@ impl MadeBeforeItem<'_, '_> {
             return;
         }
         if !self.has_games_collider() {
-            entity.try_remove::<Collider>();
+            E::remove_collider(entity);
         }
-        entity.try_remove::<(ColliderScale, OwnCollider, AttachedCollider, AttachedFallback)>();
+        entity.try_remove::<(OwnCollider, AttachedCollider, AttachedFallback)>();
         if self.owns_mass() {
-            entity.try_remove::<(ColliderMassProperties, OwnMass)>();
+            E::remove_mass(entity);
         }
     }
 }
@@ -260,18 +250,15 @@ pub(super) struct FarFromFocus;
 pub(super) struct TooSmallAt(pub Stretch);
 
 /// Gives an entity a collider, with a record of what it is.
-pub(super) fn attach_shape(
+pub(super) fn attach_shape<E: Engine>(
     entity: &mut EntityCommands,
-    own: OwnCollider,
-    mass: Option<ColliderMassProperties>,
+    (own, collider): (OwnCollider, E::Collider),
+    mass: Option<E::Mass>,
     record: impl Bundle,
 ) {
-    // The scale is in the points; bevy_rapier must not apply it again.
-    let scale = ColliderScale::Absolute(Vec3::ONE);
-    entity.try_insert((Collider::from(own.shape.clone()), scale, own, record));
-    if let Some(mass) = mass {
-        entity.try_insert((mass, OwnMass(mass)));
-    }
+    // Whoever sees the collider come sees whose it is.
+    entity.try_insert((own, record));
+    E::attach(entity, collider, mass);
 }
 
 /// An entity that is not finished.
@@ -469,10 +456,10 @@ impl Work<'_> {
 
     /// Takes note of what a marked entity requests now. Whether it has changed faster than it can
     /// be made, which is to be logged.
-    pub(super) fn update(
+    pub(super) fn update<E: Engine>(
         &mut self,
         entity: Entity,
-        before: &MadeBeforeItem,
+        before: &MadeBeforeItem<E>,
         wanted: Requested,
         presence: &Presence,
     ) -> bool {

@@ -5,13 +5,11 @@ use bevy::color::{Color, Hsla, Srgba};
 use bevy::ecs::system::SystemParam;
 use bevy::math::Affine3A;
 use bevy::prelude::*;
-use bevy_rapier3d::prelude::Collider;
-use bevy_rapier3d::rapier::geometry::SharedShape;
-use bevy_rapier3d::rapier::math::Pose;
-use bevy_rapier3d::rapier::parry::shape::TypedShape;
+use hullwright_parry::parry3d::math::Pose;
+use hullwright_parry::parry3d::shape::{SharedShape, TypedShape};
 
-use crate::collider::waiting::Frozen;
-use crate::collider::work::AttachedCollider;
+use crate::collider::work::{AttachedCollider, OwnCollider};
+use crate::engine::Frozen;
 use crate::tag::DecompositionFocus;
 use crate::tag::outcomes::DecompositionStatus;
 
@@ -94,7 +92,7 @@ type Tagged = (
     Entity,
     &'static DecompositionStatus,
     &'static GlobalTransform,
-    Option<(&'static Collider, &'static AttachedCollider)>,
+    Option<(&'static OwnCollider, &'static AttachedCollider)>,
 );
 
 impl View<'_, '_> {
@@ -137,7 +135,7 @@ pub(super) fn draw(gizmos: Gizmos<HullGizmos>, debug: Res<HullwrightDebug>, view
         if let Some((collider, attached)) = collider {
             let to_collider = attached.requested.request.to_collider();
             let to_world = transform.affine() * to_collider.inverse();
-            pen.collider(&debug, &collider.raw, &to_world, !status.is_finished());
+            pen.collider(&debug, &collider.shape, &to_world, !status.is_finished());
             continue;
         }
         let (is_asked_for, colour) = match status {

@@ -5,9 +5,9 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use bevy::asset::UntypedAssetId;
 use bevy::platform::collections::{HashMap, HashSet};
-use bevy_rapier3d::rapier::geometry::SharedShape;
 use hullwright::hulls_format::HullsFile;
 use hullwright::{ConvexHull, Hull};
+use hullwright_parry::parry3d::shape::SharedShape;
 
 use super::platform::{DiskCache, DiskState};
 use super::request::{ContentKey, MapKey, MeshData};

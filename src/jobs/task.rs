@@ -6,14 +6,14 @@ use std::sync::Arc;
 use bevy::asset::UntypedAssetId;
 use bevy::math::{Affine3A, DMat3, DVec3, Vec3A};
 use bevy::tasks::futures_lite::future::yield_now;
-use bevy_rapier3d::rapier::geometry::{SharedShape, TriMeshFlags};
-use bevy_rapier3d::rapier::math::{Pose, Vector};
 use hullwright::hulls_format::HullsFile;
 use hullwright::{
     Control, Decomposer, Error, MassProperties, MeshView, Method, MethodReport,
     mass_properties_with,
 };
-use hullwright_rapier::ColliderError;
+use hullwright_parry::ColliderError;
+use hullwright_parry::parry3d::math::{Pose, Vector};
+use hullwright_parry::parry3d::shape::{SharedShape, TriMeshFlags};
 
 use super::baked::BakedScene;
 use super::cache::{BuiltCollider, ColliderGeometry, GeometryCache, WorkClaim};
@@ -269,8 +269,8 @@ fn shape_of(
     let is_scale = *map == Affine3A::from_scale(scale.into());
     match geometry {
         ColliderGeometry::Hulls(file) if is_scale => Ok(match primitives {
-            true => hullwright_rapier::shape_with_primitives(file, scale)?,
-            false => hullwright_rapier::shape(&file.hulls, scale)?,
+            true => hullwright_parry::shape_with_primitives(file, scale)?,
+            false => hullwright_parry::shape(&file.hulls, scale)?,
         }),
         ColliderGeometry::Hulls(file) => {
             // A map that flattens leaves no body.
@@ -282,7 +282,7 @@ fn shape_of(
             let hulls: Vec<Vec<[f64; 3]>> = hulls
                 .map(|hull| hull.shape.points.iter().map(|point| place(*point)).collect())
                 .collect();
-            Ok(hullwright_rapier::shape_from_points(&hulls, [1.0; 3])?)
+            Ok(hullwright_parry::shape_from_points(&hulls, [1.0; 3])?)
         }
         ColliderGeometry::Triangles(data) => triangle_mesh(data, map),
         ColliderGeometry::Primitive(kind, data) => Ok(primitive_around(*kind, data, map)?),
@@ -293,12 +293,12 @@ fn shape_of(
 /// since with one side things fall through triangles that a modeller wound the wrong way round.
 const TRIANGLE_FLAGS: TriMeshFlags = TriMeshFlags::FIX_INTERNAL_EDGES_TWO_SIDED;
 
-/// Rapier's triangle mesh, for what doesn't move.
+/// Parry's triangle mesh, for what doesn't move.
 fn triangle_mesh(data: &MeshData, map: &Affine3A) -> Result<SharedShape, DecompositionError> {
     let place = |point: &[f32; 3]| map.transform_point3((*point).into()).to_array();
     let points: Vec<[f32; 3]> = data.positions.iter().map(place).collect();
     let mesh = MeshView::new(&points, &data.triangles);
-    Ok(SharedShape::new(hullwright_rapier::triangle_mesh(mesh, TRIANGLE_FLAGS)?))
+    Ok(SharedShape::new(hullwright_parry::triangle_mesh(mesh, TRIANGLE_FLAGS)?))
 }
 
 /// The least thickness of a box, as a share of its longest side: a plane is a thin one.

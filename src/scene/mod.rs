@@ -5,6 +5,7 @@ pub(super) mod hierarchy;
 mod linked_levels;
 pub(super) mod tagging;
 
+use std::marker::PhantomData;
 use std::time::Duration;
 
 #[cfg(feature = "bevy_gltf")]
@@ -25,6 +26,7 @@ use self::tagging::{
 use super::collider::CollidersAttached;
 use super::collider::changes::detect_tags;
 use super::collider::work::{AttachedCollider, Unfinished};
+use super::engine::Engine;
 use super::jobs::baked::{Absence, BakedScene};
 use super::jobs::{Jobs, SlicesRun};
 use super::tag::ConvexDecomposition;
@@ -33,9 +35,15 @@ use super::tag::parameters::Goal;
 use super::tag::settings::HullwrightSystems;
 
 /// Tags whole scenes, and sums up how far they and all else are.
-pub(super) struct ScenePlugin;
+pub(super) struct ScenePlugin<E>(PhantomData<E>);
 
-impl Plugin for ScenePlugin {
+impl<E> Default for ScenePlugin<E> {
+    fn default() -> Self {
+        Self(PhantomData)
+    }
+}
+
+impl<E: Engine> Plugin for ScenePlugin<E> {
     fn build(&self, app: &mut App) {
         app.init_resource::<DecompositionProgress>()
             .add_observer(on_hierarchy_gone)
@@ -52,9 +60,11 @@ impl Plugin for ScenePlugin {
         app.add_systems(
             PostUpdate,
             (
-                tag_hierarchies.before(detect_tags).in_set(HullwrightSystems::DetectChanges),
+                tag_hierarchies::<E>
+                    .before(detect_tags::<E>)
+                    .in_set(HullwrightSystems::DetectChanges),
                 (
-                    (reopen, finish_hierarchies)
+                    (reopen, finish_hierarchies::<E>)
                         .chain()
                         .run_if(any_with_component::<HierarchyWork>),
                     sum_up_progress,
@@ -73,7 +83,7 @@ const MOST_LOGGED: usize = 20;
 
 /// What is known of scenes, and from what the colliders below them were made.
 #[derive(SystemParam)]
-struct Scenes<'w, 's> {
+struct Scenes<'w, 's, E: Engine> {
     #[cfg(feature = "bevy_gltf")]
     roots: Query<'w, 's, &'static WorldAssetRoot>,
     #[cfg(feature = "bevy_gltf")]
@@ -84,11 +94,11 @@ struct Scenes<'w, 's> {
     server: Option<Res<'w, AssetServer>>,
     baked: Res<'w, Assets<BakedScene>>,
     jobs: Res<'w, Jobs>,
-    nodes: Nodes<'w, 's>,
+    nodes: Nodes<'w, 's, E>,
     attached: Query<'w, 's, &'static AttachedCollider, With<ConvexDecomposition>>,
 }
 
-impl Scenes<'_, '_> {
+impl<E: Engine> Scenes<'_, '_, E> {
     /// Whether Bevy has spawned the scene below an entity, and whether that could not be loaded;
     /// `None` if it has none to spawn. It spawns one whose textures are missing.
     fn is_spawned_or_lost(&self, entity: Entity) -> Option<(bool, bool)> {
@@ -173,7 +183,7 @@ fn reopen(
 }
 
 /// Ends the hierarchies all of whose meshes are finished.
-fn finish_hierarchies(
+fn finish_hierarchies<E: Engine>(
     mut commands: Commands,
     mut hierarchies: Query<(
         Entity,
@@ -183,7 +193,7 @@ fn finish_hierarchies(
     )>,
     statuses: Query<&DecompositionStatus>,
     parents: Query<&ChildOf>,
-    scenes: Scenes,
+    scenes: Scenes<E>,
 ) {
     let above =
         |entity| parents.iter_ancestors(entity).filter(|above| hierarchies.contains(*above));

@@ -11,7 +11,6 @@ use bevy::ecs::query::Allow;
 use bevy::ecs::system::SystemParam;
 use bevy::platform::collections::{HashMap, HashSet};
 use bevy::prelude::*;
-use bevy_rapier3d::prelude::RigidBody;
 #[cfg(feature = "bevy_gltf")]
 use hullwright_formats::conventions::{Body, ExtrasTag};
 use hullwright_formats::conventions::{
@@ -22,6 +21,7 @@ use super::hierarchy::{ConvexDecompositionHierarchy, HierarchyStatus, HierarchyW
 use crate::collider::placement::GivesSurface;
 use crate::collider::resolve::Levels;
 use crate::collider::work::MadeBefore;
+use crate::engine::{Engine, Motion};
 use crate::jobs::baked::{BakedDecomposition, FromBakedScene};
 use crate::tag::outcomes::{Descriptions, entities};
 use crate::tag::{ConvexDecomposition, DecompositionShape, NoConvexDecomposition};
@@ -96,14 +96,14 @@ impl Pieces<'_, '_> {
 
 /// All of a scene that says what becomes of its meshes.
 #[derive(SystemParam)]
-pub(super) struct Nodes<'w, 's> {
+pub(super) struct Nodes<'w, 's, E: Engine> {
     meshes: Query<'w, 's, (Entity, Option<&'static Transform>), With<Mesh3d>>,
     names: Query<'w, 's, &'static Name>,
     pub parents: Query<'w, 's, &'static ChildOf>,
     children: Query<'w, 's, &'static Children>,
     hierarchies: Query<'w, 's, (), With<ConvexDecompositionHierarchy>>,
     exist: Query<'w, 's, (), Allow<Disabled>>,
-    before: Query<'w, 's, MadeBefore>,
+    before: Query<'w, 's, MadeBefore<E>>,
     pub own_tags: Query<'w, 's, (), OwnTag>,
     /// What hierarchies said before; `None` for no collider.
     pub tagged: Query<'w, 's, Option<&'static ConvexDecomposition>, With<TaggedByHierarchy>>,
@@ -129,7 +129,7 @@ type Extras = (
     Option<&'static bevy::gltf::GltfMeshName>,
 );
 
-impl Nodes<'_, '_> {
+impl<E: Engine> Nodes<'_, '_, E> {
     fn children_of(&self, node: Entity) -> impl Iterator<Item = Entity> {
         self.children.get(node).into_iter().flatten().copied()
     }
@@ -297,9 +297,9 @@ pub(super) struct Hierarchies<'w, 's> {
 impl Hierarchies<'_, '_> {
     /// Those that are new or changed, and those to which meshes came or from which they went;
     /// whether more came than went.
-    fn take_news(
+    fn take_news<E: Engine>(
         &mut self,
-        nodes: &Nodes,
+        nodes: &Nodes<E>,
         owners: &mut EntityHashMap<Owner>,
     ) -> EntityHashMap<bool> {
         let nearest = |entity: Entity| {
@@ -358,10 +358,10 @@ impl Hierarchies<'_, '_> {
 }
 
 /// Tags what is new below a hierarchy, and all below one that is new or changed.
-pub(super) fn tag_hierarchies(
+pub(super) fn tag_hierarchies<E: Engine>(
     mut commands: Commands,
     mut hierarchies: Hierarchies,
-    nodes: Nodes,
+    nodes: Nodes<E>,
     descriptions: Descriptions,
     mut complaints: Local<Complaints>,
     mut owners: Local<EntityHashMap<Owner>>,
@@ -404,8 +404,8 @@ pub(super) fn on_hierarchy_gone(
 }
 
 /// What becomes of each node of a scene.
-struct Rules<'a, 'w, 's> {
-    nodes: &'a Nodes<'w, 's>,
+struct Rules<'a, 'w, 's, E: Engine> {
+    nodes: &'a Nodes<'w, 's, E>,
     root: Entity,
     hierarchy: &'a ConvexDecompositionHierarchy,
     wholes: Wholes,
@@ -419,7 +419,7 @@ struct Wholes {
 }
 
 impl Wholes {
-    fn of_pieces(nodes: &Nodes, all: &[Entity]) -> Self {
+    fn of_pieces<E: Engine>(nodes: &Nodes<E>, all: &[Entity]) -> Self {
         let names = || {
             let of_node = |node: &Entity| nodes.names_of(*node).map(|name| (*node, name));
             all.iter().flat_map(of_node).filter_map(|(node, name)| Some((node, name?)))
@@ -453,7 +453,7 @@ impl Wholes {
     }
 }
 
-impl Rules<'_, '_, '_> {
+impl<E: Engine> Rules<'_, '_, '_, E> {
     /// The first rule that matches a node.
     fn treatment(&self, node: Entity, complaints: &mut Complaints) -> Treatment {
         let by_name = &self.hierarchy.by_name;
@@ -546,8 +546,8 @@ impl Rules<'_, '_, '_> {
             nodes.pieces.tie(commands, node, piece_of);
             let mut commands = commands.entity(node);
             if let Some(body) = body {
-                commands.try_insert_if_new(body);
-                // Rapier takes a new body's place from it, maybe before Bevy has computed it in
+                commands.try_insert_if_new(E::body(body));
+                // The engine takes a new body's place from it, maybe before Bevy has computed it in
                 // this frame.
                 commands.try_insert(nodes.pieces.place(node));
             }
@@ -596,7 +596,7 @@ struct Treatment {
     tag: Option<ConvexDecomposition>,
     is_drawn: bool,
     /// The body that it becomes, if it is none.
-    body: Option<RigidBody>,
+    body: Option<Motion>,
     /// The mesh of whose collider it is a piece.
     piece_of: Option<Entity>,
 }
@@ -612,7 +612,7 @@ fn treatment(name_tag: NameTag, base: ConvexDecomposition) -> Treatment {
     let (tag, is_drawn, body) = match name_tag {
         NameTag::Collider(kind) => (made_of(kind, base), true, None),
         NameTag::ColliderOnly(kind) => (made_of(kind, base), false, None),
-        NameTag::Body(kind) => (made_of(kind, base), true, Some(RigidBody::Dynamic)),
+        NameTag::Body(kind) => (made_of(kind, base), true, Some(Motion::Dynamic)),
         // The mass of the whole is not that of a piece.
         NameTag::PieceOf { kind, .. } => (made_of(kind, base.with_mass(None)), false, None),
         NameTag::LeftOut => return Treatment { is_drawn: false, ..None.into() },
@@ -638,9 +638,9 @@ fn made_of(kind: ColliderKind, base: ConvexDecomposition) -> ConvexDecomposition
 #[cfg(feature = "bevy_gltf")]
 fn with_extras(extras: &ExtrasTag, base: ConvexDecomposition) -> Treatment {
     let body = extras.body.map(|body| match body {
-        Body::Dynamic => RigidBody::Dynamic,
-        Body::Fixed => RigidBody::Fixed,
-        Body::Kinematic => RigidBody::KinematicPositionBased,
+        Body::Dynamic => Motion::Dynamic,
+        Body::Fixed => Motion::Fixed,
+        Body::Kinematic => Motion::Kinematic,
     });
     let tag = extras.kind.map(|kind| {
         let tag = made_of(kind, base);

@@ -21,9 +21,9 @@ pub use hullwright::{Openings as DecompositionOpenings, Preset as DecompositionP
 /// below it, all as one input.
 ///
 /// It may come before the mesh is loaded, before `Mesh3d` exists, or sit on a parent whose
-/// children hold the meshes, as the nodes of a glTF scene do. Below it, what has a tag or a
-/// [`RigidBody`](bevy_rapier3d::prelude::RigidBody) of its own or [`NoConvexDecomposition`] is
-/// left out, with all its children, and so is what is `Disabled`.
+/// children hold the meshes, as the nodes of a glTF scene do. Below it, what has a tag or the
+/// physics engine's `RigidBody` of its own or [`NoConvexDecomposition`] is left out, with all its
+/// children, and so is what is `Disabled`.
 ///
 /// The collider follows what it is made of: meshes that come, change or go, the scale, the tag
 /// itself. An entity to which the game gives a `Collider` of its own, at any time, is skipped. The
@@ -122,8 +122,8 @@ pub enum DecompositionShape {
     Auto,
     /// Hulls, also where nothing moves.
     Hulls,
-    /// The triangles, with internal edges fixed, whatever moves. On a body that moves they weigh
-    /// nothing, and what gets inside stays there.
+    /// The triangles, with internal edges fixed, whatever moves. On a body that moves the physics
+    /// engine weighs them, by their volume at a density of 1, and what gets inside stays there.
     Triangles,
     /// One hull around everything, whatever the bound.
     ConvexHull,
@@ -135,8 +135,8 @@ pub enum DecompositionShape {
     Capsule,
 }
 
-/// bevy_rapier's own default, so that a body with a decomposed collider beside one of Rapier's
-/// shapes weighs as expected.
+/// The default of bevy_rapier and of Avian, so that a body with a decomposed collider beside one of
+/// the engine's own shapes weighs as expected.
 pub const DEFAULT_DENSITY: f32 = 1.0;
 
 /// A physics engine's cost grows with the vertices of a hull, and 64 still follow a round shape.

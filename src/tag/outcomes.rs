@@ -7,7 +7,7 @@ use bevy::asset::UntypedAssetId;
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 use hullwright::Error;
-use hullwright_rapier::ColliderError;
+use hullwright_parry::ColliderError;
 
 /// How far an entity's collider has come.
 #[derive(Component, Reflect, Debug, Clone, PartialEq)]
@@ -204,10 +204,10 @@ pub enum DecompositionError {
         /// The names of the meshes that it has, and of the nodes that show them.
         names: Vec<String>,
     },
-    /// The body that moves it has a negative scale along y or z, and is not fixed: Rapier would
-    /// turn it, and what is drawn.
+    /// The body that moves it has a negative scale along y or z, and is not fixed: the physics
+    /// engine would turn it, and what is drawn.
     #[error(
-        "its body is mirrored along y or z, which Rapier takes for another rotation; mirror the body along x alone, or \
+        "its body is mirrored along y or z, which the physics engine takes for another rotation; mirror the body along x alone, or \
          the meshes below it"
     )]
     MirroredBody,

@@ -11,7 +11,7 @@ use super::outcomes::SkipReason;
 use super::settings::FallbackCollider;
 use super::{ConvexDecomposition, DecompositionShape, MaxError};
 
-/// Which of Rapier's own shapes.
+/// Which of the physics engine's own shapes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(crate) enum PrimitiveKind {
     Cuboid,

@@ -29,30 +29,29 @@ pub struct HullwrightSettings {
     /// Default: none.
     pub fallback_collider: FallbackCollider,
     /// Whether a dynamic body is frozen until its colliders are ready, so that it does not fall
-    /// through the floor. Its components stay as they are: it is Rapier's own body that is held.
-    /// Default true.
+    /// through the floor. Its components stay as they are: the physics engine's own body is held,
+    /// during its steps. Default true.
     pub freeze_until_ready: bool,
     /// An entity that has waited for this long for a mesh is logged, once: most likely nobody will
     /// give it one. `None` for never. Default 5 s.
     pub warn_without_mesh_after: Option<Duration>,
-    /// Whether what never moves, on fixed bodies and without a body, gets its exact triangle mesh
-    /// instead of hulls: nothing is gained by hulls there. Sensors get hulls, since triangles have
-    /// no inside. [`ConvexDecomposition::shape`](crate::ConvexDecomposition::shape) decides for one
-    /// entity. Default true.
+    /// Whether what never moves, on fixed bodies (Avian: static) and without a body, gets its exact
+    /// triangle mesh instead of hulls: nothing is gained by hulls there. Sensors get hulls, since
+    /// triangles have no inside. [`ConvexDecomposition::shape`](crate::ConvexDecomposition::shape)
+    /// decides for one entity. Default true.
     pub exact_static_colliders: bool,
     /// Whether hulls that are boxes, balls or capsules within what the verified distances leave of
     /// the bound become these: see
-    /// [`shape_with_primitives`](hullwright_rapier::shape_with_primitives). For colliders that are
+    /// [`shape_with_primitives`](hullwright_parry::shape_with_primitives). For colliders that are
     /// made from then on, and not those whose scale differs along the axes. Default false.
     pub primitives: bool,
     /// Half the thickness of the thinnest thing that moves, in metres of the world; positive. Hulls
     /// may fill what no ball of that radius can reach: fewer hulls. For tags that say nothing else
     /// and keep no cavities. `None` for gaps that stay open whatever moves. Default `None`.
     pub probe_radius: Option<f32>,
-    /// Whether new worlds of Rapier get a
-    /// [`ContactDispatcher`](hullwright_rapier::ContactDispatcher), without which small things sink
-    /// into each other. It concerns all colliders of the world. Set it to `false` if a world has a
-    /// dispatcher of its own. Default `true`.
+    /// Whether new worlds of Rapier get a `hullwright_rapier::ContactDispatcher`, without which
+    /// small things sink into each other. It concerns all colliders of the world. Set it to `false`
+    /// if a world has a dispatcher of its own. Without effect in Avian. Default `true`.
     pub contact_dispatcher: bool,
     /// A collider is made anew once its scale, or a part of its input, has not moved for this long;
     /// hulls follow a scale meanwhile. Default 0.1 s.
@@ -88,8 +87,8 @@ pub struct BudgetSettings {
     /// colliders, and in slices on all work. One of each goes through even if it takes longer.
     /// Default 1 ms, and 4 ms where there are no threads.
     pub frame_time: Duration,
-    /// Most colliders attached per frame: what Bevy and Rapier do with them comes on top of the
-    /// budget. Default 64.
+    /// Most colliders attached per frame: what Bevy and the physics engine do with them comes on
+    /// top of the budget. Default 64.
     pub max_attached_per_frame: usize,
 }
 
@@ -231,8 +230,9 @@ impl Default for CacheSettings {
     }
 }
 
-/// The plugin's systems, in `PostUpdate` before Bevy propagates transforms and before Rapier's
-/// `PhysicsSet::SyncBackend`.
+/// The plugin's systems, in `PostUpdate` before Bevy propagates transforms, and before the physics
+/// engine where that runs there too: before Rapier's `PhysicsSet::SyncBackend`, and Avian's
+/// `PhysicsSystems::First`.
 #[derive(SystemSet, Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum HullwrightSystems {
     /// New and changed tags, meshes and scales are detected.

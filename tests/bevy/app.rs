@@ -10,9 +10,10 @@ use bevy::mesh::{Indices, Mesh, PrimitiveTopology};
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
 use bevy_hullwright::prelude::*;
-use bevy_rapier3d::prelude::*;
-use bevy_rapier3d::rapier::geometry::SharedShape;
 use hullwright_formats::read_mesh;
+use hullwright_parry::parry3d::shape::SharedShape;
+
+use crate::engine::*;
 
 pub const DENSITY: f32 = 1000.0;
 
@@ -46,8 +47,8 @@ fn new_app(settings: HullwrightSettings, file_path: String, add: impl FnOnce(&mu
         MinimalPlugins,
         AssetPlugin { file_path, ..default() },
         TransformPlugin,
-        RapierPhysicsPlugin::<NoUserData>::default(),
-        HullwrightPlugin { settings },
+        physics(),
+        hullwright(settings),
     ));
     app.insert_resource(TimeUpdateStrategy::ManualDuration(FRAME));
     app.init_resource::<Seen>();
@@ -69,6 +70,7 @@ fn new_app(settings: HullwrightSettings, file_path: String, add: impl FnOnce(&mu
     app.add_observer(|event: On<ColliderAbsent>, mut seen: ResMut<Seen>| {
         seen.without_collider.push((event.entity, event.reason.clone()));
     });
+    register_for_saves(&mut app);
     add(&mut app);
     app
 }
@@ -76,7 +78,7 @@ fn new_app(settings: HullwrightSettings, file_path: String, add: impl FnOnce(&mu
 fn start(mut app: App) -> App {
     app.finish();
     app.cleanup();
-    // Rapier makes its context in the first frame.
+    // Engines make their worlds in the first frame.
     app.update();
     app
 }
@@ -285,7 +287,7 @@ pub fn has_collider(app: &App, entity: Entity) -> bool {
 
 /// The points of each hull of a collider.
 pub fn hulls(app: &App, entity: Entity) -> Vec<Vec<Vec3>> {
-    let shape = &collider(app, entity).raw;
+    let shape = shape(collider(app, entity));
     let points =
         |shape: &SharedShape| shape.as_convex_polyhedron().expect("a hull").points().to_vec();
     match shape.as_compound() {
@@ -294,11 +296,22 @@ pub fn hulls(app: &App, entity: Entity) -> Vec<Vec<Vec3>> {
     }
 }
 
-/// The mass properties of an entity's collider, which come from its mesh.
-pub fn mass(app: &App, entity: Entity) -> MassProperties {
-    match app.get::<ColliderMassProperties>(entity) {
-        Some(ColliderMassProperties::MassProperties(properties)) => *properties,
-        other => panic!("no mass properties: {other:?}"),
+/// Whether normals are at right angles to the faces of all hulls.
+pub fn assert_faces_are_right(app: &App, entity: Entity) {
+    let shape = shape(collider(app, entity));
+    for (_, part) in shape.as_compound().unwrap().shapes() {
+        let hull = part.as_convex_polyhedron().unwrap();
+        for face in hull.faces() {
+            let first = face.first_vertex_or_edge as usize;
+            let count = face.num_vertices_or_edges as usize;
+            let corners = &hull.vertices_adj_to_face()[first..first + count];
+            let points: Vec<Vec3> =
+                corners.iter().map(|corner| hull.points()[*corner as usize]).collect();
+            for edge in points.windows(2).map(|pair| pair[1] - pair[0]) {
+                let cosine = edge.normalize_or_zero().dot(face.normal);
+                assert!(cosine.abs() < 0.05, "{cosine}");
+            }
+        }
     }
 }
 
@@ -308,7 +321,7 @@ pub fn translation(app: &App, entity: Entity) -> Vec3 {
 
 /// The corners of a collider's bounding box.
 pub fn bounds(app: &App, entity: Entity) -> (Vec3, Vec3) {
-    let bounds = collider(app, entity).raw.compute_local_aabb();
+    let bounds = shape(collider(app, entity)).compute_local_aabb();
     (bounds.mins, bounds.maxs)
 }
 

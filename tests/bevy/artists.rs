@@ -3,10 +3,10 @@
 use bevy::gltf::GltfMeshName;
 use bevy::prelude::*;
 use bevy_hullwright::prelude::*;
-use bevy_rapier3d::prelude::*;
 use serde_json::{Value, json};
 
 use crate::app::*;
+use crate::engine::*;
 use crate::gltf::{INTEGER, app_with_gltf, float_accessor, gltf_file, update_until_ready};
 
 /// A file with one node per name, each with the same mesh, an L, and perhaps extras.
@@ -89,7 +89,7 @@ pub fn node(app: &mut App, name: &str) -> Entity {
 /// What became of a node: its shape in a word, and whether its mesh is drawn.
 fn outcome(app: &mut App, name: &str) -> (&'static str, bool) {
     let node = node(app, name);
-    let shape = match app.get::<Collider>(node).map(|collider| &collider.raw) {
+    let shape = match app.get::<Collider>(node).map(shape) {
         None => "none",
         Some(shape) => {
             let parts = shape.as_compound().map_or(1, |compound| compound.shapes().len());
@@ -163,18 +163,15 @@ fn extras_make_bodies_that_move_on_their_own() {
             ("piece", Some(r#"{"collider": "hulls"}"#)),
         ],
         ConvexDecompositionHierarchy::new(automatic()),
-        // Rapier may see new bodies before Bevy has computed where they are.
+        // The engine may see new bodies before Bevy has computed where they are.
         |app| {
-            app.configure_sets(
-                PostUpdate,
-                HullwrightSystems::DetectChanges.before(PhysicsSet::SyncBackend),
-            );
+            app.configure_sets(PostUpdate, HullwrightSystems::DetectChanges.before(BEFORE));
         },
     );
     for (at, (name, body, shape)) in (0u8..).zip([
         ("prop", Some(RigidBody::Dynamic), "hulls"),
-        ("wall", Some(RigidBody::Fixed), "triangles"),
-        ("lift", Some(RigidBody::KinematicPositionBased), "hulls"),
+        ("wall", Some(FIXED), "triangles"),
+        ("lift", Some(KINEMATIC), "hulls"),
         ("piece", None, "hulls"),
     ]) {
         let node = node(&mut app, name);

@@ -3,12 +3,12 @@
 use bevy::prelude::*;
 use bevy_hullwright::prelude::*;
 use bevy_hullwright::{BakedSceneSettings, DecompositionError};
-use bevy_rapier3d::prelude::*;
 use hullwright::hulls_format::{BakedMesh, HullScene, HullsFile};
 use hullwright::{Control, Parameters, decompose, mass_properties};
 use hullwright_formats::read_mesh;
 
 use crate::app::*;
+use crate::engine::*;
 
 /// What `hullwright bake` writes of one mesh.
 pub fn baked() -> HullScene {
@@ -42,7 +42,7 @@ fn a_baked_file_becomes_a_collider_with_its_mass() {
     let entity = app.put((baked_body, RigidBody::Dynamic, scale));
     update_until_finished(&mut app, &[entity]);
     assert_eq!(status(&app, entity), DecompositionStatus::Ready(HullSource::Baked));
-    assert_eq!(collider(&app, entity).as_compound().unwrap().shapes().count(), 3);
+    assert_eq!(shape(collider(&app, entity)).as_compound().unwrap().shapes().len(), 3);
     let properties = mass(&app, entity);
     let expected = 8.0 * DENSITY * baked_mesh().hulls.mass_properties.unwrap().mass as f32;
     assert!((properties.mass / expected - 1.0).abs() < 1e-2);
@@ -57,7 +57,7 @@ fn a_file_of_an_older_algorithm_loads_as_before() {
     let entity = app.put((BakedDecomposition::new(handle), RigidBody::Dynamic));
     update_until_finished(&mut app, &[entity]);
     assert_eq!(status(&app, entity), DecompositionStatus::Ready(HullSource::Baked));
-    assert_eq!(collider(&app, entity).as_compound().unwrap().shapes().count(), 3);
+    assert_eq!(shape(collider(&app, entity)).as_compound().unwrap().shapes().len(), 3);
 }
 
 #[test]

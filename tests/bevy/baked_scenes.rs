@@ -8,13 +8,13 @@ use bevy::gltf::{GltfAssetLabel, GltfLoaderSettings};
 use bevy::prelude::*;
 use bevy_hullwright::BakedSceneSettings;
 use bevy_hullwright::prelude::*;
-use bevy_rapier3d::prelude::{Collider, RigidBody};
 use hullwright::hulls_format::HullScene;
 use hullwright::{Control, Length, Parameters};
 use hullwright_formats::bake::{BakeOptions, bake_jobs, bake_triangles};
 use hullwright_formats::read_scene;
 
 use crate::app::*;
+use crate::engine::*;
 use crate::gltf::{app_with_gltf, app_with_scene_in, update_until_ready};
 
 /// What `hullwright bake` writes.
@@ -245,7 +245,7 @@ fn what_never_moves_and_is_on_the_gpu_only_has_its_triangles_from_the_baked_file
     let sizes = |app: &mut App| {
         let mut colliders = app.world_mut().query::<&Collider>();
         let sizes = colliders.iter(app.world()).map(|collider| {
-            let mesh = collider.raw.as_trimesh().expect("triangles");
+            let mesh = shape(collider).as_trimesh().expect("triangles");
             let bounds = mesh.local_aabb();
             (
                 mesh.indices().len(),
@@ -270,12 +270,12 @@ fn what_never_moves_and_is_on_the_gpu_only_has_its_triangles_from_the_baked_file
         );
         let mut roots = by_content.world_mut().query_filtered::<Entity, With<WorldAssetRoot>>();
         let root = roots.single(by_content.world()).unwrap();
-        by_content.edit(root).insert(RigidBody::Fixed);
+        by_content.edit(root).insert(FIXED);
         update_until_ready(&mut by_content);
         let expected = sizes(&mut by_content);
         assert!(!expected.is_empty());
         for is_late in [false, true] {
-            let (mut app, _) = load_for_gpu_only(&place, RigidBody::Fixed, is_late);
+            let (mut app, _) = load_for_gpu_only(&place, FIXED, is_late);
             assert_eq!((counters(&app).failed, failed(&app)), (0, &[][..]), "{name}");
             assert_eq!(sizes(&mut app), expected, "{name}");
         }
@@ -285,7 +285,7 @@ fn what_never_moves_and_is_on_the_gpu_only_has_its_triangles_from_the_baked_file
 #[test]
 fn triangles_that_were_not_baked_fail_and_say_how_to_bake_them() {
     let place = place(&bundled("lamp.glb"), &baked_as_scene("lamp.glb").to_bytes().unwrap());
-    let (app, _) = load_for_gpu_only(&place, RigidBody::Fixed, true);
+    let (app, _) = load_for_gpu_only(&place, FIXED, true);
     let [(_, why)] = failed(&app) else { panic!("{:?}", failed(&app)) };
     assert!(why.contains("--triangles"), "{why}");
 }

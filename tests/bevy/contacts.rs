@@ -3,16 +3,16 @@
 
 use bevy::prelude::*;
 use bevy_hullwright::{DecompositionStatus, HullSource};
-use bevy_rapier3d::prelude::*;
 
 use crate::app::*;
+use crate::engine::*;
 
 /// A marble of 8 mm comes to rest in a bowl of 15 cm.
 #[test]
 fn a_marble_stays_in_a_bowl() {
     let mut app = app();
     let floor = Transform::from_xyz(0.0, -0.5, 0.0);
-    app.world_mut().spawn((floor, Collider::cuboid(5.0, 0.5, 5.0)));
+    app.world_mut().spawn((floor, FIXED, cuboid_collider(5.0, 0.5, 5.0)));
     let bowl = add(&mut app, model("bowl"));
     let bowl = finish(&mut app, &bowl, RigidBody::Dynamic);
     update_times(&mut app, 120);
@@ -21,8 +21,8 @@ fn a_marble_stays_in_a_bowl() {
     let marble = app.world_mut().spawn((
         Transform::from_translation(start),
         RigidBody::Dynamic,
-        Collider::ball(0.008),
-        ColliderMassProperties::Density(2500.0),
+        ball(0.008),
+        density(2500.0),
     ));
     let marble = marble.id();
     update_times(&mut app, 300);
@@ -33,7 +33,8 @@ fn a_marble_stays_in_a_bowl() {
 }
 
 fn floor(app: &mut App) {
-    app.world_mut().spawn((Transform::from_xyz(0.0, -1.0, 0.0), Collider::cuboid(50.0, 1.0, 50.0)));
+    let place = Transform::from_xyz(0.0, -1.0, 0.0);
+    app.world_mut().spawn((place, FIXED, cuboid_collider(50.0, 1.0, 50.0)));
 }
 
 #[test]
@@ -44,7 +45,7 @@ fn a_tagged_mesh_gets_a_collider_and_falls_onto_the_floor() {
     let body = app.put((Mesh3d(u), tag(), RigidBody::Dynamic, Transform::from_xyz(0.0, 3.0, 0.0)));
     update_until_finished(&mut app, &[body]);
     assert_eq!(status(&app, body), DecompositionStatus::Ready(HullSource::Decomposed));
-    let hulls = collider(&app, body).as_compound().expect("a compound").shapes().count();
+    let hulls = shape(collider(&app, body)).as_compound().expect("a compound").shapes().len();
     assert_eq!(hulls, 3);
     assert_eq!(ready(&app), [(body, 3)]);
     assert_eq!(counters(&app).convex, 0);
@@ -61,13 +62,13 @@ fn mass_is_that_of_the_mesh_at_the_density_given() {
     let (app, body) = finished(cuboid([0.0; 3], [1.0, 2.0, 3.0]), RigidBody::Dynamic);
     let properties = mass(&app, body);
     assert!((properties.mass / (6.0 * DENSITY) - 1.0).abs() < 1e-3);
-    assert_near(properties.local_center_of_mass, [0.5, 1.0, 1.5], 1e-3);
+    assert_near(properties.centre, [0.5, 1.0, 1.5], 1e-3);
 }
 
 #[test]
 fn a_convex_mesh_is_one_hull() {
     let (app, body) = finished(cuboid([-1.0; 3], [1.0; 3]), ());
-    assert!(collider(&app, body).as_convex_polyhedron().is_some());
+    assert!(shape(collider(&app, body)).as_convex_polyhedron().is_some());
     assert_eq!(ready(&app), [(body, 1)]);
     assert_eq!(counters(&app).convex, 1);
     assert_bounds(&app, body, [-1.0; 3], [1.0; 3], 1e-3);

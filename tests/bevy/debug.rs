@@ -9,11 +9,12 @@ use bevy_hullwright::prelude::*;
 use bevy_hullwright::{HullwrightDebug, HullwrightDebugPlugin};
 
 use crate::app::*;
+use crate::engine::*;
 
 /// Ours before Bevy's, so that what Bevy brings is not there yet when ours is added.
 fn debug_app(add: impl FnOnce(&mut App)) -> App {
     let mut app = App::new();
-    app.add_plugins((HullwrightDebugPlugin, HullwrightPlugin::default()));
+    app.add_plugins((HullwrightDebugPlugin, hullwright(default())));
     app.add_plugins((MinimalPlugins, AssetPlugin::default(), TransformPlugin));
     add(&mut app);
     app.finish();

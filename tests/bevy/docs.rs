@@ -6,9 +6,9 @@ use bevy::prelude::*;
 use bevy::reflect::Typed;
 use bevy::reflect::structs::Struct;
 use bevy_hullwright::prelude::*;
-use bevy_rapier3d::prelude::RigidBody;
 
 use crate::app::*;
+use crate::engine::*;
 
 /// A file of the repository.
 fn read(path: &str) -> String {

@@ -5,9 +5,9 @@
 use bevy::mesh::Indices;
 use bevy::prelude::*;
 use bevy_hullwright::prelude::*;
-use bevy_rapier3d::prelude::*;
 
 use crate::app::*;
+use crate::engine::*;
 
 fn broken() -> Mesh {
     let mut cube = unit_cube();
@@ -46,9 +46,9 @@ fn events_status_counters_and_report_agree_over_all_endings() {
     ] {
         expected.push((node(&mut app, root, &cube, name, ()), Ok(made_of)));
     }
-    let fixed = node(&mut app, root, &cube, "fixed", RigidBody::Fixed);
+    let fixed = node(&mut app, root, &cube, "fixed", FIXED);
     expected.push((fixed, Ok(MadeOf::Triangles)));
-    let own = node(&mut app, root, &cube, "own", Collider::ball(0.5));
+    let own = node(&mut app, root, &cube, "own", ball(0.5));
     expected.push((own, Ok(MadeOf::Existing)));
     let small = at(1.0, 0.0, 0.0).with_scale(Vec3::splat(0.01));
     let small = node(&mut app, root, &cube, "small", small);
@@ -109,7 +109,7 @@ fn a_collider_of_another_size_does_not_stay_behind_one_that_is_too_small() {
     });
     update_times(&mut app, 2);
     assert!(!has_collider(&app, entity));
-    assert!(app.get::<ColliderMassProperties>(entity).is_none());
+    assert!(!has_mass(&app, entity));
     // Large enough again.
     set_scale(&mut app, entity, Vec3::ONE);
     update_until(&mut app, |app| is_ready(app, entity));

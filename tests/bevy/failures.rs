@@ -8,11 +8,11 @@ use bevy::mesh::{Indices, PrimitiveTopology};
 use bevy::prelude::*;
 use bevy_hullwright::DecompositionError;
 use bevy_hullwright::prelude::*;
-use bevy_rapier3d::prelude::*;
 use hullwright::Error;
 
 use crate::app::*;
 use crate::baked::baked;
+use crate::engine::*;
 
 fn failure(app: &App, entity: Entity) -> DecompositionError {
     match status(app, entity) {
@@ -39,7 +39,7 @@ fn repair(app: &mut App, handle: &Handle<Mesh>) {
 /// has neither, and the plugin alone must detect it.
 fn app_without_rapier() -> App {
     let mut app = App::new();
-    app.add_plugins((MinimalPlugins, AssetPlugin::default(), HullwrightPlugin::default()));
+    app.add_plugins((MinimalPlugins, AssetPlugin::default(), hullwright(default())));
     app
 }
 
@@ -88,9 +88,9 @@ fn a_body_without_mass_gets_its_triangles_when_it_becomes_fixed() {
     let entity = app.put((Mesh3d(handle), tag, RigidBody::Dynamic));
     update_until_finished(&mut app, &[entity]);
     assert!(matches!(failure(&app, entity), DecompositionError::Collider(_)));
-    app.edit(entity).insert(RigidBody::Fixed);
+    app.edit(entity).insert(FIXED);
     update_until(&mut app, |app| has_collider(app, entity));
-    assert!(collider(&app, entity).as_trimesh().is_some());
+    assert!(shape(collider(&app, entity)).as_trimesh().is_some());
 }
 
 #[test]
@@ -137,7 +137,7 @@ fn a_fixed_body_fails_as_clearly_as_others() {
         (lines(), |failure| matches!(failure, DecompositionError::NotTriangles("lines"))),
     ] as [(Mesh, fn(DecompositionError) -> bool); 3]
     {
-        let (app, entity) = finished(mesh, (automatic(), RigidBody::Fixed));
+        let (app, entity) = finished(mesh, (automatic(), FIXED));
         let failure = failure(&app, entity);
         assert!(is_expected(failure.clone()), "{failure:?}");
         assert!(!has_collider(&app, entity));
@@ -233,11 +233,11 @@ struct Last(Option<DecompositionReady>);
 
 #[test]
 fn a_fixed_body_and_an_entity_that_had_a_collider_are_skipped() {
-    let (app, entity) = ending_of((automatic(), RigidBody::Fixed));
+    let (app, entity) = ending_of((automatic(), FIXED));
     assert_eq!(seen(&app).skipped, [(entity, SkipReason::FixedBody)]);
-    let (app, entity) = ending_of(Collider::ball(0.5));
+    let (app, entity) = ending_of(ball(0.5));
     assert_eq!(seen(&app).skipped, [(entity, SkipReason::HasCollider)]);
-    assert!(collider(&app, entity).as_ball().is_some());
+    assert!(shape(collider(&app, entity)).as_ball().is_some());
     assert_eq!(counters(&app).had_collider, 1);
 }
 
@@ -292,7 +292,7 @@ fn a_tag_that_is_removed_later_ends_no_second_time() {
     let (mut app, entity) = ending_of(());
     app.edit(entity).remove::<ConvexDecomposition>();
     app.edit(entity).insert(Transform::from_scale(Vec3::splat(2.0)));
-    app.edit(entity).insert(RigidBody::Fixed);
+    app.edit(entity).insert(FIXED);
     update_times(&mut app, AFTERWARDS);
     app.world_mut().despawn(entity);
     update_times(&mut app, AFTERWARDS);

@@ -2,33 +2,19 @@
 
 use bevy::prelude::*;
 use bevy_hullwright::prelude::*;
-use bevy_rapier3d::prelude::*;
 
 use crate::app::*;
-
-/// What Rapier itself moves a body with.
-fn velocity_in_rapier(app: &App, body: Entity) -> Vec3 {
-    let handle = app.get::<RapierRigidBodyHandle>(body).expect("a body").0;
-    let context = app.get::<RapierContextEntityLink>(body).expect("a body").0;
-    let set = app.get::<RapierRigidBodySet>(context).expect("a world");
-    set.bodies.get(handle).expect("a body").linvel()
-}
+use crate::engine::*;
 
 #[test]
 fn a_body_is_frozen_until_its_collider_is_ready_and_then_falls() {
     let (mut app, mesh) = with_mesh(app_with(sliced()), model("u_prism"));
     let start = Transform::from_xyz(0.0, 5.0, 0.0);
-    let own_locks = LockedAxes::TRANSLATION_LOCKED_Z;
+    let own_locks = locked_along_z();
     let body = spawn_with(
         &mut app,
         &mesh,
-        (
-            RigidBody::Dynamic,
-            AdditionalMassProperties::Mass(1.0),
-            start,
-            Velocity { linear: Vec3::X, angular: Vec3::Y },
-            own_locks,
-        ),
+        (RigidBody::Dynamic, mass_of_body(1.0), start, velocity(Vec3::X, Vec3::Y), own_locks),
     );
     let mut frozen_frames = 0;
     while !status(&app, body).is_finished() {
@@ -37,8 +23,8 @@ fn a_body_is_frozen_until_its_collider_is_ready_and_then_falls() {
             frozen_frames += 1;
             assert_eq!(app.get::<Transform>(body), Some(&start));
             // What a user reads or saves is the body's own.
-            assert_eq!(app.get::<LockedAxes>(body), Some(&own_locks));
-            assert_eq!(velocity(&app, body), Vec3::X);
+            assert!(is_locked_along_z(&app, body));
+            assert_eq!(linear_velocity(&app, body), Vec3::X);
         }
     }
     assert!(frozen_frames > 3, "it was ready at once");
@@ -55,7 +41,7 @@ fn a_frozen_body_stays_where_it_is_for_as_long_as_it_takes_and_falls_afterwards(
     let mut app = app();
     let handle = app.world().resource::<Assets<Mesh>>().reserve_handle();
     let body = spawn_with(&mut app, &handle, RigidBody::Dynamic);
-    // Longer than Rapier takes to let a body sleep.
+    // Longer than engines take to let a body sleep.
     update_times(&mut app, 200);
     assert_eq!(translation(&app, body), Vec3::ZERO);
     give_mesh(&mut app, body, &handle);
@@ -67,14 +53,14 @@ fn a_frozen_body_stays_where_it_is_for_as_long_as_it_takes_and_falls_afterwards(
 fn a_clone_of_a_frozen_body_and_one_that_was_saved_while_it_was_frozen_are_free_in_the_end() {
     let mut app = app();
     let handle = app.world().resource::<Assets<Mesh>>().reserve_handle();
-    let push = Velocity::linear(Vec3::X);
+    let push = || velocity(Vec3::X, Vec3::ZERO);
     // They are in one place, and do not touch.
-    let alone = CollisionGroups::new(Group::NONE, Group::NONE);
-    let locks = LockedAxes::TRANSLATION_LOCKED_Z;
-    let more = (push, locks, AdditionalMassProperties::Mass(1.0), alone);
+    let alone = alone();
+    let locks = locked_along_z();
+    let more = (push(), locks, mass_of_body(1.0), alone);
     let body = spawn_with(&mut app, &handle, (RigidBody::Dynamic, Transform::default(), more));
     update_times(&mut app, 10);
-    let clone = app.edit(body).clone_and_spawn();
+    let clone = clone_of(&mut app, body);
     let saved = saved(&app, body);
     let loaded = load(&mut app, &saved);
     app.edit(loaded).insert(Mesh3d(handle.clone()));
@@ -89,7 +75,7 @@ fn a_clone_of_a_frozen_body_and_one_that_was_saved_while_it_was_frozen_are_free_
     for (what, entity) in [("it", body), ("its clone", clone), ("the one from a file", loaded)] {
         let moved = translation(&app, entity);
         assert!(moved.y < -0.5 && moved.x > 0.1 && moved.z.abs() < 1e-3, "{what}: {moved}");
-        assert_eq!(app.get::<LockedAxes>(entity), Some(&LockedAxes::TRANSLATION_LOCKED_Z));
+        assert!(is_locked_along_z(&app, entity));
     }
 }
 
@@ -97,11 +83,7 @@ fn a_clone_of_a_frozen_body_and_one_that_was_saved_while_it_was_frozen_are_free_
 fn a_body_that_is_not_frozen_falls_at_once() {
     let mut app = app_with(HullwrightSettings { freeze_until_ready: false, ..default() });
     let never_loaded = app.world().resource::<Assets<Mesh>>().reserve_handle();
-    let body = spawn_with(
-        &mut app,
-        &never_loaded,
-        (RigidBody::Dynamic, AdditionalMassProperties::Mass(1.0)),
-    );
+    let body = spawn_with(&mut app, &never_loaded, (RigidBody::Dynamic, mass_of_body(1.0)));
     update_times(&mut app, 30);
     assert!(translation(&app, body).y < -0.5);
 }
@@ -109,7 +91,7 @@ fn a_body_that_is_not_frozen_falls_at_once() {
 #[test]
 fn a_body_is_released_when_the_work_fails_or_is_cancelled() {
     let (mut app, bad) = with_mesh(app(), mesh(vec![[1.0; 3]; 3], vec![0, 1, 2]));
-    let body = || (RigidBody::Dynamic, AdditionalMassProperties::Mass(1.0), Transform::default());
+    let body = || (RigidBody::Dynamic, mass_of_body(1.0), Transform::default());
     let failed = spawn_with(&mut app, &bad, body());
     let waiting = app.put((tag(), body()));
     update_until_finished(&mut app, &[failed]);
@@ -127,18 +109,18 @@ fn a_sleeping_body_wakes_when_its_collider_arrives() {
     let mut app = app_with(HullwrightSettings { freeze_until_ready: false, ..default() });
     let body = app.put((
         RigidBody::Dynamic,
-        AdditionalMassProperties::Mass(1.0),
+        mass_of_body(1.0),
         GravityScale(0.0),
-        Sleeping { sleeping: true, ..default() },
+        asleep(),
         Transform::default(),
     ));
     update_times(&mut app, 10);
-    assert!(app.get::<Sleeping>(body).unwrap().sleeping);
+    assert!(is_asleep(&app, body));
     let mesh = add(&mut app, unit_cube());
     app.edit(body).insert((Mesh3d(mesh), tag()));
     update_until_finished(&mut app, &[body]);
     update_times(&mut app, 2);
-    assert!(!app.get::<Sleeping>(body).unwrap().sleeping);
+    assert!(!is_asleep(&app, body));
 }
 
 /// A body that is frozen, since its mesh is not there yet, and the handle of that mesh.
@@ -158,44 +140,34 @@ fn give_mesh(app: &mut App, body: Entity, handle: &Handle<Mesh>) {
     update_times(app, 2);
 }
 
-fn velocity(app: &App, body: Entity) -> Vec3 {
-    app.get::<Velocity>(body).unwrap().linear
-}
-
 #[test]
 fn a_velocity_that_is_set_while_the_body_is_frozen_comes_after_the_release() {
-    type Change = fn(&mut EntityWorldMut);
-    let turned: Change = |body| body.get_mut::<Velocity>().unwrap().linear = Vec3::Z;
-    let stopped: Change = |body| _ = body.insert(Velocity::zero());
-    let pushed: Change = |body| _ = body.insert(Velocity::linear(Vec3::Y));
-    for (before, change, expected) in [
-        (Some(Vec3::X), turned, Vec3::Z),
-        (Some(Vec3::X), stopped, Vec3::ZERO),
-        (None, pushed, Vec3::Y),
-    ] {
+    for (before, expected) in
+        [(Some(Vec3::X), Vec3::Z), (Some(Vec3::X), Vec3::ZERO), (None, Vec3::Y)]
+    {
         let mut app = app();
         let (body, mesh) = match before {
-            Some(velocity) => frozen_body(&mut app, Velocity::linear(velocity)),
+            Some(linear) => frozen_body(&mut app, velocity(linear, Vec3::ZERO)),
             None => frozen_body(&mut app, ()),
         };
-        change(&mut app.edit(body));
+        set_linear_velocity(&mut app.edit(body), expected);
         update_times(&mut app, 10);
         // It is kept, and does not move the body.
         assert_near(translation(&app, body), Vec3::ZERO, 1e-6);
         give_mesh(&mut app, body, &mesh);
-        assert_near(velocity(&app, body), expected, 1e-3);
-        assert_near(velocity_in_rapier(&app, body), expected, 1e-3);
+        assert_near(linear_velocity(&app, body), expected, 1e-3);
+        assert_near(velocity_in_engine(&app, body), expected, 1e-3);
     }
 }
 
 #[test]
 fn a_velocity_that_comes_in_the_frame_of_the_release_survives() {
     let mut app = app();
-    let (body, _) = frozen_body(&mut app, Velocity::linear(Vec3::X));
-    app.change::<Velocity>(body).linear = Vec3::Z;
+    let (body, _) = frozen_body(&mut app, velocity(Vec3::X, Vec3::ZERO));
+    set_linear_velocity(&mut app.edit(body), Vec3::Z);
     app.edit(body).remove::<ConvexDecomposition>();
     update_times(&mut app, 3);
-    assert_near(velocity(&app, body), Vec3::Z, 1e-3);
+    assert_near(linear_velocity(&app, body), Vec3::Z, 1e-3);
 }
 
 /// Steps that one frame takes when the one before it was long.
@@ -211,15 +183,14 @@ fn a_body_that_is_tagged_before_a_fixed_step_does_not_move_before_it_is_ready() 
         MinimalPlugins,
         bevy::asset::AssetPlugin::default(),
         TransformPlugin,
-        RapierPhysicsPlugin::<NoUserData>::default().in_fixed_schedule(),
-        HullwrightPlugin { settings: sliced() },
+        hullwright(sliced()),
     ));
+    add_physics_in_fixed_steps(&mut app);
     app.insert_resource(bevy::time::TimeUpdateStrategy::FixedTimesteps(STEPS));
-    app.insert_resource(TimestepMode::Fixed { dt: 1.0 / 60.0, substeps: 1 });
     app.add_systems(FixedPreUpdate, |mut commands: Commands, mut it: ResMut<Crate>| {
         if it.1.is_none() {
-            let body = (RigidBody::Dynamic, AdditionalMassProperties::Mass(1.0));
-            let more = (Velocity::linear(Vec3::X), Transform::from_xyz(0.0, 5.0, 0.0));
+            let body = (RigidBody::Dynamic, mass_of_body(1.0));
+            let more = (velocity(Vec3::X, Vec3::ZERO), Transform::from_xyz(0.0, 5.0, 0.0));
             it.1 = Some(commands.spawn((it.0.clone(), tag(), body, more)).id());
         }
     });
@@ -278,7 +249,7 @@ fn assert_falls_back(
 #[test]
 fn the_bounding_box_is_the_collider_until_the_hulls_are_ready() {
     assert_falls_back(sliced(), FallbackCollider::BoundingBox, |collider| {
-        collider.as_compound().is_some_and(|parts| parts.shapes().count() == 1)
+        shape(collider).as_compound().is_some_and(|parts| parts.shapes().len() == 1)
     });
 }
 
@@ -286,7 +257,7 @@ fn the_bounding_box_is_the_collider_until_the_hulls_are_ready() {
 fn the_convex_hull_is_the_collider_until_the_hulls_are_ready() {
     for settings in [sliced(), default()] {
         assert_falls_back(settings, FallbackCollider::ConvexHull, |collider| {
-            collider.as_convex_polyhedron().is_some()
+            shape(collider).as_convex_polyhedron().is_some()
         });
     }
 }
@@ -312,5 +283,5 @@ fn a_fallback_is_removed_with_the_tag() {
     app.edit(entity).remove::<ConvexDecomposition>();
     update_times(&mut app, 2);
     assert!(!has_collider(&app, entity));
-    assert!(app.get::<ColliderMassProperties>(entity).is_none());
+    assert!(!has_mass(&app, entity));
 }

@@ -6,10 +6,10 @@ use bevy::mesh::morph::MeshMorphWeights;
 use bevy::mesh::skinning::SkinnedMesh;
 use bevy::prelude::*;
 use bevy_hullwright::prelude::*;
-use bevy_rapier3d::prelude::*;
 use serde_json::{Value, json};
 
 use crate::app::*;
+use crate::engine::*;
 use scenes::HeadlessScenes;
 
 #[path = "../../examples/headless/scenes.rs"]
@@ -86,12 +86,8 @@ fn a_chair_of_ten_nodes_is_one_body() {
     // The ten nodes stretch one cube: one decomposition.
     assert_eq!(counters(&app).decomposed, 1);
     app.update();
-    let world = app.world_mut();
-    let handle = world.get::<RapierRigidBodyHandle>(body).unwrap().0;
-    let colliders = world.query::<&RapierContextColliders>().single(world).unwrap();
     for (entity, _) in ready {
-        let collider = world.get::<RapierColliderHandle>(entity).unwrap().0;
-        assert_eq!(colliders.colliders[collider].parent(), Some(handle));
+        assert_eq!(body_in_engine(&mut app, entity), Some(body));
     }
 }
 

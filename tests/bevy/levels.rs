@@ -3,11 +3,11 @@
 use bevy::camera::visibility::VisibilityRange;
 use bevy::prelude::*;
 use bevy_hullwright::prelude::*;
-use bevy_rapier3d::prelude::*;
 use serde_json::json;
 
 use crate::app::*;
 use crate::artists::{app_with_file, file_of, node};
+use crate::engine::*;
 
 #[test]
 fn coarser_levels_by_name_make_no_collider_and_add_no_mass() {

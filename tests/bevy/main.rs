@@ -1,5 +1,5 @@
-//! What the Bevy plugin promises, without a window: `MinimalPlugins`, assets, Rapier and the
-//! plugin.
+//! What the Bevy plugin promises with Rapier, without a window. `avian.rs` has the same tests with
+//! Avian; what both say of an engine is in `engine_rapier.rs` and `engine_avian.rs`.
 
 mod app;
 #[cfg(feature = "bevy_gltf")]
@@ -13,6 +13,8 @@ mod contacts;
 mod debug;
 mod docs;
 mod endings;
+#[path = "engine_rapier.rs"]
+mod engine;
 mod failures;
 mod freeze;
 #[cfg(feature = "bevy_gltf")]
@@ -24,6 +26,7 @@ mod meshes;
 mod order;
 #[cfg(feature = "bevy_gltf")]
 mod pieces;
+mod rapier_only;
 mod scale;
 mod scenes;
 mod sharing;

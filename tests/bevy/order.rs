@@ -7,11 +7,11 @@ use bevy::ecs::schedule::{LogLevel, ScheduleBuildSettings};
 use bevy::mesh::MeshPlugin;
 use bevy::prelude::*;
 use bevy_hullwright::prelude::*;
-use bevy_rapier3d::prelude::*;
 
 use crate::app::*;
+use crate::engine::*;
 
-/// An app with all that has to do with us: Bevy's systems for meshes, Rapier's, ours.
+/// An app with all that has to do with us: Bevy's systems for meshes, the engine's, ours.
 fn full_app() -> App {
     let mut app = App::new();
     app.add_plugins((
@@ -19,8 +19,8 @@ fn full_app() -> App {
         AssetPlugin::default(),
         MeshPlugin,
         TransformPlugin,
-        RapierPhysicsPlugin::<NoUserData>::default(),
-        HullwrightPlugin::default(),
+        physics(),
+        hullwright(default()),
     ));
     #[cfg(feature = "debug")]
     app.add_plugins((bevy::gizmos::GizmoPlugin, bevy_hullwright::HullwrightDebugPlugin));
@@ -82,7 +82,7 @@ fn others_may_write_assets_after_transforms_and_after_the_step() {
         PostUpdate,
         (
             (|| ()).after(TransformSystems::Propagate).before(AssetEventSystems),
-            (|| ()).in_set(PhysicsSet::Writeback).before(AssetEventSystems),
+            (|| ()).in_set(AFTER).before(AssetEventSystems),
         ),
     );
     app.update();
@@ -98,16 +98,16 @@ fn assert_it_works(mut app: App) {
 }
 
 #[test]
-fn it_works_without_rapiers_plugin() {
+fn it_works_without_the_engines_plugin() {
     let mut app = App::new();
-    app.add_plugins((MinimalPlugins, AssetPlugin::default(), HullwrightPlugin::default()));
+    app.add_plugins((MinimalPlugins, AssetPlugin::default(), hullwright(default())));
     assert_it_works(app);
 }
 
 #[test]
 fn it_works_before_bevys_mesh_plugin() {
     let mut app = App::new();
-    app.add_plugins(HullwrightPlugin::default());
+    app.add_plugins(hullwright(default()));
     app.add_plugins((MinimalPlugins, AssetPlugin::default(), MeshPlugin));
     assert_it_works(app);
 }
@@ -117,7 +117,7 @@ fn it_works_after_bevys_mesh_plugin_and_throws_no_mesh_away() {
     let mut app = App::new();
     app.add_plugins((MinimalPlugins, AssetPlugin::default(), MeshPlugin));
     let before = add(&mut app, model("u_prism"));
-    app.add_plugins(HullwrightPlugin::default());
+    app.add_plugins(hullwright(default()));
     assert!(app.world().resource::<Assets<Mesh>>().contains(&before));
     assert_it_works(app);
 }
@@ -126,9 +126,9 @@ fn it_works_after_bevys_mesh_plugin_and_throws_no_mesh_away() {
 fn one_line_names_the_plugin_that_is_missing() {
     Log::install();
     let mut app = App::new();
-    app.add_plugins((MinimalPlugins, AssetPlugin::default(), HullwrightPlugin::default()));
+    app.add_plugins((MinimalPlugins, AssetPlugin::default(), hullwright(default())));
     app.finish();
-    for name in ["RapierPhysicsPlugin is missing", "TransformPlugin is missing"] {
+    for name in [PHYSICS_PLUGIN, "TransformPlugin is missing"] {
         assert!(!Log::lines_with(name).is_empty(), "{name}");
     }
 }
@@ -137,6 +137,6 @@ fn one_line_names_the_plugin_that_is_missing() {
 #[should_panic(expected = "AssetPlugin")]
 fn without_assets_the_panic_names_the_plugin() {
     let mut app = App::new();
-    app.add_plugins((MinimalPlugins, HullwrightPlugin::default()));
+    app.add_plugins((MinimalPlugins, hullwright(default())));
     app.finish();
 }

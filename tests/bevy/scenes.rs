@@ -4,9 +4,9 @@
 use bevy::ecs::system::RunSystemOnce;
 use bevy::prelude::*;
 use bevy_hullwright::prelude::*;
-use bevy_rapier3d::prelude::*;
 
 use crate::app::*;
+use crate::engine::*;
 
 /// A node as Bevy's glTF loader spawns it: named, with its primitives as children.
 fn node(app: &mut App, parent: Entity, name: &str, meshes: &[&Handle<Mesh>]) -> Entity {
@@ -43,8 +43,8 @@ fn every_mesh_of_a_scene_gets_a_collider_of_its_own() {
     let table = node(&mut app, chair, "table", &[&cube]);
     tag_and_finish(&mut app, &[chair, table]);
     // Both primitives of the chair, without the table below it.
-    assert_eq!(collider(&app, chair).as_compound().unwrap().shapes().count(), 2);
-    assert!(collider(&app, table).as_convex_polyhedron().is_some());
+    assert_eq!(shape(collider(&app, chair)).as_compound().unwrap().shapes().len(), 2);
+    assert!(shape(collider(&app, table)).as_convex_polyhedron().is_some());
     assert_eq!(ready(&app).len(), 2);
 }
 
@@ -99,7 +99,7 @@ fn pieces_made_by_the_artist_stand_for_the_mesh_that_they_name() {
     update_times(&mut app, 2);
     assert!(!is_tagged(&app, whole));
     update_until_finished(&mut app, &[piece]);
-    assert!(collider(&app, piece).as_convex_polyhedron().is_some());
+    assert!(shape(collider(&app, piece)).as_convex_polyhedron().is_some());
 }
 
 #[test]
@@ -121,54 +121,35 @@ fn what_comes_later_is_tagged_too_and_own_tags_stay() {
 fn colliders_below_a_body_move_with_it_and_feel_like_it() {
     let mut app = app();
     let cube = cube(&mut app);
-    let groups = CollisionGroups::new(Group::GROUP_2, Group::GROUP_3);
+    let groups = layers();
     let body = app.put((
         Transform::from_xyz(0.0, 5.0, 0.0),
         RigidBody::Dynamic,
-        Friction::coefficient(0.9),
-        Restitution::coefficient(0.4),
+        friction(0.9),
         groups,
-        SolverGroups::new(Group::GROUP_4, Group::GROUP_5),
         Sensor,
-        (
-            ActiveEvents::COLLISION_EVENTS,
-            ActiveHooks::FILTER_CONTACT_PAIRS,
-            ActiveCollisionTypes::all(),
-            ContactForceEventThreshold(7.0),
-            ContactSkin(0.01),
-        ),
+        surface(),
         ConvexDecompositionHierarchy::new(tag()),
     ));
     let left = node(&mut app, body, "left", &[&cube]);
     let right = node(&mut app, body, "right", &[&cube]);
-    let own = Friction::coefficient(0.1);
+    let own = friction(0.1);
     app.edit(right).insert((Transform::from_xyz(3.0, 0.0, 0.0), own));
     tag_and_finish(&mut app, &[left, right]);
     app.update();
-    let world = app.world_mut();
-    for (entity, friction) in [(left, Friction::coefficient(0.9)), (right, own)] {
-        assert_eq!(world.get::<Friction>(entity), Some(&friction));
-        assert_eq!(world.get::<Restitution>(entity), Some(&Restitution::coefficient(0.4)));
-        assert_eq!(world.get::<CollisionGroups>(entity), Some(&groups));
-        assert!(world.get::<SolverGroups>(entity).is_some());
-        assert!(world.get::<Sensor>(entity).is_some());
-        assert_eq!(world.get(entity), Some(&ActiveEvents::COLLISION_EVENTS));
-        assert_eq!(world.get(entity), Some(&ActiveHooks::FILTER_CONTACT_PAIRS));
-        assert_eq!(world.get(entity), Some(&ActiveCollisionTypes::all()));
-        assert_eq!(world.get::<ContactForceEventThreshold>(entity).unwrap().0, 7.0);
-        assert_eq!(world.get::<ContactSkin>(entity).unwrap().0, 0.01);
+    for (entity, friction) in [(left, friction(0.9)), (right, own)] {
+        assert_eq!(app.get::<Friction>(entity), Some(&friction));
+        assert_eq!(app.get::<Layers>(entity), Some(&groups));
+        assert!(app.get::<Sensor>(entity).is_some());
+        assert!(has_surface(&app, entity));
     }
-    let handles = [left, right].map(|e| world.get::<RapierColliderHandle>(e).unwrap().0);
-    let handle = world.get::<RapierRigidBodyHandle>(body).unwrap().0;
-    let (bodies, colliders) =
-        world.query::<(&RapierRigidBodySet, &RapierContextColliders)>().single(world).unwrap();
-    for collider in handles {
-        assert_eq!(colliders.colliders[collider].parent(), Some(handle));
+    for collider in [left, right] {
+        assert_eq!(body_in_engine(&mut app, collider), Some(body));
     }
-    let rapier_body = &bodies.bodies[handle];
-    assert!((rapier_body.mass() / (2.0 * DENSITY) - 1.0).abs() < 1e-2);
-    assert_near(rapier_body.mass_properties().local_mprops.local_com, [2.0, 0.5, 0.5], 1e-2);
-    let before = world.get::<Transform>(body).unwrap().translation.y;
+    let (mass, centre) = mass_of_whole(&mut app, body);
+    assert!((mass / (2.0 * DENSITY) - 1.0).abs() < 1e-2);
+    assert_near(centre, [2.0, 0.5, 0.5], 1e-2);
+    let before = translation(&app, body).y;
     update_times(&mut app, 30);
     assert!(app.get::<Transform>(body).unwrap().translation.y < before - 0.5);
     assert_near(app.get::<Transform>(right).unwrap().translation, [3.0, 0.0, 0.0], 1e-5);
@@ -207,7 +188,7 @@ fn a_hierarchy_on_the_node_itself_takes_its_primitives_as_one_input() {
     update_times(&mut app, 2);
     assert!(is_tagged(&app, gltf_node));
     update_until_finished(&mut app, &[gltf_node]);
-    assert_eq!(collider(&app, gltf_node).as_compound().unwrap().shapes().count(), 2);
+    assert_eq!(shape(collider(&app, gltf_node)).as_compound().unwrap().shapes().len(), 2);
     assert_eq!(ready(&app).len(), 1);
 }
 
@@ -447,21 +428,21 @@ fn a_scene_whose_hierarchy_is_removed_holds_nothing_back() {
 fn what_stands_beside_a_scene_is_inherited_also_without_a_body() {
     let mut app = app();
     let cube = cube(&mut app);
-    let groups = CollisionGroups::new(Group::GROUP_2, Group::GROUP_3);
-    let more = (Friction::coefficient(0.9), groups, Sensor);
+    let groups = layers();
+    let rough = friction(0.9);
     let root = root(&mut app, ConvexDecompositionHierarchy::new(automatic()));
-    app.edit(root).insert(more);
+    app.edit(root).insert((rough, groups, Sensor));
     let [plain, own] = ["plain", "own"].map(|name| node(&mut app, root, name, &[&cube]));
-    let slippery = Friction::coefficient(0.1);
+    let slippery = friction(0.1);
     app.edit(own).insert(slippery);
     tag_and_finish(&mut app, &[plain, own]);
     update_times(&mut app, 2);
-    assert_eq!(app.get::<Friction>(plain), Some(&more.0));
+    assert_eq!(app.get::<Friction>(plain), Some(&rough));
     assert_eq!(app.get::<Friction>(own), Some(&slippery));
-    assert_eq!(app.get::<CollisionGroups>(plain), Some(&groups));
+    assert_eq!(app.get::<Layers>(plain), Some(&groups));
     assert!(app.get::<Sensor>(plain).is_some());
     // A sensor's triangles would notice nothing inside.
-    assert!(collider(&app, plain).as_convex_polyhedron().is_some());
+    assert!(shape(collider(&app, plain)).as_convex_polyhedron().is_some());
 }
 
 #[test]

@@ -7,6 +7,7 @@ use bevy_hullwright::HullSource;
 use bevy_hullwright::prelude::*;
 
 use crate::app::*;
+use crate::engine::*;
 
 #[test]
 fn entities_with_the_same_mesh_share_one_job_while_it_is_in_flight() {
@@ -55,7 +56,7 @@ fn a_known_mesh_has_its_collider_after_one_frame() {
     app.update();
     assert_eq!(status(&app, second), DecompositionStatus::Ready(HullSource::Shared));
     // One shape for both.
-    let raw = |entity| std::sync::Arc::as_ptr(&collider(&app, entity).raw.0).cast::<u8>();
+    let raw = |entity| std::sync::Arc::as_ptr(&shape(collider(&app, entity)).0).cast::<u8>();
     assert_eq!(raw(first), raw(second));
 }
 

@@ -6,10 +6,11 @@ use std::time::Duration;
 use bevy::prelude::*;
 use bevy_hullwright::SkipReason;
 use bevy_hullwright::prelude::*;
-use bevy_rapier3d::prelude::*;
-use bevy_rapier3d::rapier::parry::shape::TriMeshFlags;
+
+use hullwright_parry::parry3d::shape::TriMeshFlags;
 
 use crate::app::*;
+use crate::engine::*;
 
 fn skipped(app: &App, entity: Entity) -> Option<SkipReason> {
     match status(app, entity) {
@@ -41,10 +42,39 @@ fn a_body_that_is_too_small_hangs_where_it_is_unless_it_has_a_mass() {
     let mut app = app_with(skipping(SkipSettings { min_size: 9.0, ..default() }));
     let cube = add(&mut app, unit_cube());
     let hangs = finish(&mut app, &cube, RigidBody::Dynamic);
-    let falls = (RigidBody::Dynamic, AdditionalMassProperties::Mass(1.0));
+    let falls = (RigidBody::Dynamic, mass_of_body(1.0));
     let falls = finish(&mut app, &cube, falls);
     update_times(&mut app, 30);
     assert_eq!(translation(&app, hangs), Vec3::ZERO);
+    assert!(translation(&app, falls).y < -0.5);
+}
+
+#[test]
+fn a_body_with_one_small_part_falls_with_the_others() {
+    let mut app = app_with(skipping(SkipSettings { min_size: 1.0, ..default() }));
+    let cube = add(&mut app, unit_cube());
+    let body = app.put((RigidBody::Dynamic, Transform::default()));
+    let small = Transform::from_scale(Vec3::splat(0.1));
+    let bolt = spawn_with(&mut app, &cube, (ChildOf(body), small));
+    let case = spawn_with(&mut app, &cube, (ChildOf(body), Transform::default()));
+    update_until_finished(&mut app, &[bolt, case]);
+    assert_eq!(skipped(&app, bolt), Some(SkipReason::TooSmall));
+    update_times(&mut app, 30);
+    assert!(translation(&app, body).y < -0.5);
+}
+
+#[test]
+fn a_body_of_small_parts_alone_hangs_also_where_it_becomes_one_later_unless_it_has_a_mass() {
+    let mut app = app_with(skipping(SkipSettings { min_size: 9.0, ..default() }));
+    let cube = add(&mut app, unit_cube());
+    let bodies = [0; 2].map(|_| app.put(Transform::default()));
+    let bolts = bodies.map(|body| spawn_with(&mut app, &cube, ChildOf(body)));
+    update_until_finished(&mut app, &bolts);
+    let [hangs, falls] = bodies;
+    app.edit(hangs).insert(RigidBody::Dynamic);
+    app.edit(falls).insert((RigidBody::Dynamic, mass_of_body(1.0)));
+    update_times(&mut app, 30);
+    assert!(translation(&app, hangs).y > -0.05);
     assert!(translation(&app, falls).y < -0.5);
 }
 
@@ -55,7 +85,7 @@ fn a_body_that_is_hidden_hangs_where_it_is_and_falls_once_it_is_shown() {
     let cube = add(&mut app, unit_cube());
     let hidden = (RigidBody::Dynamic, Visibility::Hidden);
     let hangs = finish(&mut app, &cube, hidden);
-    let falls = finish(&mut app, &cube, (hidden, AdditionalMassProperties::Mass(1.0)));
+    let falls = finish(&mut app, &cube, (hidden, mass_of_body(1.0)));
     update_times(&mut app, 30);
     assert_eq!(skipped(&app, hangs), Some(SkipReason::Hidden));
     assert_eq!(translation(&app, hangs), Vec3::ZERO);
@@ -123,7 +153,7 @@ fn a_collider_that_is_far_may_be_dropped_and_comes_back() {
     place(&mut app, focus, 100.0);
     update_until(&mut app, |app| !has_collider(app, entity));
     assert_eq!(skipped(&app, entity), Some(SkipReason::TooFar));
-    assert!(app.get::<ColliderMassProperties>(entity).is_none());
+    assert!(!has_mass(&app, entity));
     place(&mut app, focus, 0.0);
     update_until(&mut app, |app| has_collider(app, entity));
     assert!(is_ready(&app, entity));
@@ -173,7 +203,7 @@ fn hulls_that_are_boxes_become_boxes_on_request() {
             model("l_prism"),
             (RigidBody::Dynamic, scale),
         );
-        let compound = collider(&app, entity).raw.as_compound().unwrap();
+        let compound = shape(collider(&app, entity)).as_compound().unwrap();
         let found = compound.shapes().iter().filter(|(_, part)| part.as_cuboid().is_some());
         assert_eq!((found.count(), compound.shapes().len()), (boxes, 2));
     }
@@ -197,7 +227,7 @@ fn triangles_by(tag: ConvexDecomposition, more: impl Bundle) -> Option<SkipReaso
 }
 
 fn reason(app: &App, entity: Entity) -> Option<SkipReason> {
-    let is_mesh = collider(app, entity).as_trimesh().is_some();
+    let is_mesh = shape(collider(app, entity)).as_trimesh().is_some();
     match status(app, entity) {
         DecompositionStatus::Skipped(reason) if is_mesh => Some(reason),
         DecompositionStatus::Ready(_) if !is_mesh => None,
@@ -208,24 +238,22 @@ fn reason(app: &App, entity: Entity) -> Option<SkipReason> {
 #[test]
 fn triangles_without_a_body_and_on_a_fixed_one_hulls_for_all_that_moves() {
     assert_eq!(triangles_of(()), Some(SkipReason::NoBody));
-    assert_eq!(triangles_of(RigidBody::Fixed), Some(SkipReason::FixedBody));
-    for body in
-        [RigidBody::Dynamic, RigidBody::KinematicPositionBased, RigidBody::KinematicVelocityBased]
-    {
+    assert_eq!(triangles_of(FIXED), Some(SkipReason::FixedBody));
+    for body in [RigidBody::Dynamic, KINEMATIC, KINEMATIC_BY_VELOCITY] {
         assert_eq!(triangles_of(body), None);
     }
 }
 
 #[test]
 fn a_sensor_gets_hulls_whatever_its_body() {
-    assert_eq!(triangles_of((RigidBody::Fixed, Sensor)), None);
+    assert_eq!(triangles_of((FIXED, Sensor)), None);
     assert_eq!(triangles_of(Sensor), None);
 }
 
 #[test]
 fn a_tag_may_ask_for_either() {
     let shaped = |shape| automatic().with_shape(shape);
-    assert_eq!(triangles_by(shaped(DecompositionShape::Hulls), RigidBody::Fixed), None);
+    assert_eq!(triangles_by(shaped(DecompositionShape::Hulls), FIXED), None);
     let asked = triangles_by(shaped(DecompositionShape::Triangles), RigidBody::Dynamic);
     assert_eq!(asked, Some(SkipReason::TrianglesRequested));
 }
@@ -235,7 +263,7 @@ fn the_settings_may_want_hulls_everywhere() {
     let settings = HullwrightSettings { exact_static_colliders: false, ..default() };
     let (mut app, entity) = finished_with(settings, model("u_prism"), automatic());
     let mesh = add(&mut app, model("l_prism"));
-    let fixed = finish(&mut app, &mesh, (automatic(), RigidBody::Fixed));
+    let fixed = finish(&mut app, &mesh, (automatic(), FIXED));
     assert_eq!([entity, fixed].map(|entity| reason(&app, entity)), [None; 2]);
 }
 
@@ -248,13 +276,13 @@ fn bodies_and_sensors_that_come_and_go_change_it() {
         change(&mut app.edit(changed));
         update_until(&mut app, |app| {
             status(app, entity).is_finished()
-                && collider(app, entity).as_trimesh().is_some() == expected
+                && shape(collider(app, entity)).as_trimesh().is_some() == expected
         });
-        assert!(expected || app.get::<ColliderMassProperties>(entity).is_some());
+        assert!(expected || has_mass(&app, entity));
     };
     expect(above, |_| {}, true);
     expect(above, |body| _ = body.insert(RigidBody::Dynamic), false);
-    expect(above, |body| _ = body.insert(RigidBody::Fixed), true);
+    expect(above, |body| _ = body.insert(FIXED), true);
     expect(entity, |collider| _ = collider.insert(Sensor), false);
     expect(entity, |collider| _ = collider.remove::<Sensor>(), true);
     expect(above, |body| _ = body.insert(RigidBody::Dynamic), false);
@@ -266,7 +294,7 @@ fn bodies_and_sensors_that_come_and_go_change_it() {
 #[test]
 fn internal_edges_are_fixed() {
     let (app, entity) = finished(unit_cube(), automatic());
-    let flags = collider(&app, entity).raw.as_trimesh().unwrap().flags();
+    let flags = shape(collider(&app, entity)).as_trimesh().unwrap().flags();
     assert!(flags.contains(TriMeshFlags::FIX_INTERNAL_EDGES));
 }
 
@@ -286,13 +314,13 @@ fn floor(is_turned: bool) -> Mesh {
 #[test]
 fn a_box_slides_over_a_floor_of_triangles_without_a_bump() {
     for is_turned in [false, true] {
-        let (mut app, _) = finished(floor(is_turned), (automatic(), Friction::coefficient(0.0)));
+        let (mut app, _) = finished(floor(is_turned), (automatic(), FIXED, friction(0.0)));
         let half = 0.2;
         let sliding = (
             RigidBody::Dynamic,
-            Collider::cuboid(half, half, half),
-            Friction::coefficient(0.0),
-            Velocity::linear(Vec3::X * 3.0),
+            cuboid_collider(half, half, half),
+            friction(0.0),
+            velocity(Vec3::X * 3.0, Vec3::ZERO),
             Transform::from_xyz(0.0, half, 0.0),
         );
         let body = app.put(sliding);

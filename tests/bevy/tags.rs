@@ -10,6 +10,7 @@ use bevy_hullwright::{DecompositionError, HullSceneLoader};
 use hullwright::surface::SurfaceParameters;
 
 use crate::app::*;
+use crate::engine::*;
 
 /// Hulls of a model by a tag.
 fn hulls_by(name: &str, tag: ConvexDecomposition) -> Vec<Vec<Vec3>> {
@@ -151,11 +152,11 @@ fn one_hull_or_a_box_ball_or_capsule_on_request() {
     // A box of 1 × 1 × 4, aside.
     let mesh = add(&mut app, cuboid([1.0, 0.0, 0.0], [2.0, 1.0, 4.0]));
     let bowl = add(&mut app, model("bowl"));
-    let mut shaped = |mesh, shape| {
-        let entity = spawn_with(&mut app, mesh, tag().with_shape(shape).with_mass(2.0));
+    let mut shaped = |mesh, kind| {
+        let entity = spawn_with(&mut app, mesh, tag().with_shape(kind).with_mass(2.0));
         update_until_finished(&mut app, &[entity]);
         assert_eq!(ready(&app).last(), Some(&(entity, 1)));
-        let shape = collider(&app, entity).raw.clone();
+        let shape = shape(collider(&app, entity)).clone();
         shape.as_compound().map_or(shape.clone(), |compound| compound.shapes()[0].1.clone())
     };
     let half = shaped(&mesh, DecompositionShape::Cuboid).as_cuboid().unwrap().half_extents;
@@ -179,10 +180,10 @@ fn settings_from_before_the_plugin_stay_unless_it_has_its_own() {
         app.insert_resource(slow()).add_plugins(plugin);
         app.world().resource::<HullwrightSettings>().budget.max_jobs
     };
-    assert_eq!(max_jobs(HullwrightPlugin::default()), 1);
-    assert_eq!(max_jobs(HullwrightPlugin::default().without_contact_dispatcher()), 1);
+    assert_eq!(max_jobs(hullwright(default())), 1);
+    assert_eq!(max_jobs(hullwright(default()).without_contact_dispatcher()), 1);
     let settings = with_jobs(3);
-    assert_eq!(max_jobs(HullwrightPlugin { settings }), 3);
+    assert_eq!(max_jobs(hullwright(settings)), 3);
 }
 
 #[test]

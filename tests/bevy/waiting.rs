@@ -3,9 +3,9 @@
 use bevy::prelude::*;
 use bevy_hullwright::WaitReason;
 use bevy_hullwright::prelude::*;
-use bevy_rapier3d::prelude::*;
 
 use crate::app::*;
+use crate::engine::*;
 
 #[test]
 fn a_tag_before_the_mesh_is_loaded_or_before_there_is_any_waits_for_it() {
@@ -42,7 +42,7 @@ fn all_meshes_below_a_tag_are_one_input() {
     app.world_mut().spawn((Mesh3d(lower), ChildOf(parent)));
     app.world_mut().spawn((Mesh3d(upper), Transform::from_xyz(0., 1., 0.), ChildOf(parent)));
     update_until_finished(&mut app, &[parent]);
-    assert!(collider(&app, parent).as_convex_polyhedron().is_some());
+    assert!(shape(collider(&app, parent)).as_convex_polyhedron().is_some());
     let properties = mass(&app, parent);
     // Known to be closed only together.
     assert!((properties.mass / DENSITY - 1.0).abs() < 1e-3);
@@ -139,7 +139,7 @@ fn changing_the_tag_begins_anew() {
     let (mut app, entity) = app_at_work();
     app.edit(entity).insert(tag().with_max_hulls(1));
     update_until_finished(&mut app, &[entity]);
-    assert!(collider(&app, entity).as_convex_polyhedron().is_some());
+    assert!(shape(collider(&app, entity)).as_convex_polyhedron().is_some());
     assert_eq!(ready(&app), [(entity, 1)]);
 }
 

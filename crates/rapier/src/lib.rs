@@ -36,17 +36,43 @@
 
 mod dispatcher;
 mod seams;
-mod shape;
 
+use hullwright::{Control, Hull, MassProperties, MeshView, Parameters};
 use rapier3d::geometry::ColliderBuilder;
 
 pub use dispatcher::ContactDispatcher;
-pub use shape::{
-    ColliderError, collider, convex_polyhedron, hull_from_shape, mass_properties, mesh_from_shape,
-    shape, shape_from_points, shape_with_primitives, triangle_mesh,
+/// What Rapier takes as it is: its shapes and mass properties are Parry's.
+pub use hullwright_parry::{
+    ColliderError, convex_polyhedron, hull_from_shape, mass_properties, mesh_from_shape, shape,
+    shape_from_points, shape_with_primitives, triangle_mesh,
 };
 
-use hullwright::{Control, MeshView, Parameters};
+/// A collider of all hulls with the mass properties of the source mesh, both scaled: see
+/// [`shape`](shape()) and [`mass_properties`](mass_properties()).
+///
+/// ```
+/// # let mesh = hullwright::TriangleMesh::new(
+/// #     vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+/// #     vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
+/// # );
+/// # let parameters = hullwright::Parameters::default();
+/// # let hulls = hullwright::decompose(&mesh, &parameters, &hullwright::Control::new())?.hulls;
+/// let properties = hullwright::mass_properties(&mesh, &hulls, 600.0)?;
+/// let collider = hullwright_rapier::collider(&hulls, &properties, [1.0; 3])?.build();
+/// assert!((collider.mass() - 100.0).abs() < 1e-3);
+/// # Ok::<(), hullwright_rapier::ColliderError>(())
+/// ```
+///
+/// # Errors
+/// As [`shape`](shape()) and [`mass_properties`](mass_properties()).
+pub fn collider(
+    hulls: &[Hull],
+    properties: &MassProperties,
+    scale: [f32; 3],
+) -> Result<ColliderBuilder, ColliderError> {
+    let properties = mass_properties(properties, scale)?;
+    Ok(ColliderBuilder::new(shape(hulls, scale)?).mass_properties(properties))
+}
 
 /// Decomposes a mesh and makes a collider of it, with the mass properties of the mesh at a
 /// `density` (mass per cubed unit).

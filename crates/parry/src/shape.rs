@@ -1,7 +1,7 @@
-//! From hulls and mass properties to Rapier's types, and back.
+//! From hulls and mass properties to Parry's types, and back.
 //!
-//! Rapier takes convex polyhedra as points and triangles in `f32`. Parry, its collision library,
-//! checks little of them, and what it does not check ends in a panic or in wrong contacts later.
+//! Parry takes convex polyhedra as points and triangles in `f32`. It checks little of them, and what
+//! it does not check ends in a panic or in wrong contacts later.
 //! So hulls are scaled, rounded and built anew here, and everything that Parry relies on is
 //! checked before it is called.
 
@@ -11,10 +11,9 @@ use hullwright::hull::{
 };
 use hullwright::hulls_format::HullsFile;
 use hullwright::{ConvexHull, Error, Hull, MassProperties, MeshView, TriangleMesh};
-use rapier3d::dynamics::MassProperties as RapierMassProperties;
-use rapier3d::geometry::{ColliderBuilder, SharedShape};
-use rapier3d::parry::math::{Matrix, Pose, Rotation, Vector};
-use rapier3d::parry::shape::{ConvexPolyhedron, TriMesh, TriMeshFlags};
+use parry3d::mass_properties::MassProperties as ParryMassProperties;
+use parry3d::math::{Matrix, Pose, Rotation, Vector};
+use parry3d::shape::{ConvexPolyhedron, SharedShape, TriMesh, TriMeshFlags};
 
 /// Why there is no collider.
 #[non_exhaustive]
@@ -154,34 +153,7 @@ fn part((points, triangles): &SinglePrecisionHull) -> (Pose, SharedShape) {
     }
 }
 
-/// A collider of all hulls with the mass properties of the source mesh, both scaled: see
-/// [`shape`] and [`mass_properties`].
-///
-/// ```
-/// # let mesh = hullwright::TriangleMesh::new(
-/// #     vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
-/// #     vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
-/// # );
-/// # let parameters = hullwright::Parameters::default();
-/// # let hulls = hullwright::decompose(&mesh, &parameters, &hullwright::Control::new())?.hulls;
-/// let properties = hullwright::mass_properties(&mesh, &hulls, 600.0)?;
-/// let collider = hullwright_rapier::collider(&hulls, &properties, [1.0; 3])?.build();
-/// assert!((collider.mass() - 100.0).abs() < 1e-3);
-/// # Ok::<(), hullwright_rapier::ColliderError>(())
-/// ```
-///
-/// # Errors
-/// As [`shape`] and [`mass_properties`].
-pub fn collider(
-    hulls: &[Hull],
-    properties: &MassProperties,
-    scale: [f32; 3],
-) -> Result<ColliderBuilder, ColliderError> {
-    let properties = mass_properties(properties, scale)?;
-    Ok(ColliderBuilder::new(shape(hulls, scale)?).mass_properties(properties))
-}
-
-/// Converts mass properties to Rapier's type, after the body's coordinates are multiplied by
+/// Converts mass properties to Parry's type, after the body's coordinates are multiplied by
 /// `scale` at the same density. They are computed by the library's
 /// [`mass_properties`](hullwright::mass_properties()).
 ///
@@ -191,7 +163,7 @@ pub fn collider(
 pub fn mass_properties(
     properties: &MassProperties,
     scale: [f32; 3],
-) -> Result<RapierMassProperties, ColliderError> {
+) -> Result<ParryMassProperties, ColliderError> {
     check_scale(scale)?;
     let properties = properties.scaled(scale.map(f64::from));
     let principal = properties.principal_inertia();
@@ -199,7 +171,7 @@ pub fn mass_properties(
     let centre = Vector::from(properties.centre.map(|x| x as f32));
     let moments = principal.moments.map(|x| x as f32);
     let rotation = principal.rotation.map(|x| x as f32);
-    // Rapier keeps inverses, in which a subnormal number becomes infinite.
+    // Parry keeps inverses, in which a subnormal number becomes infinite.
     let is_usable = mass.is_normal()
         && mass > 0.0
         && centre.is_finite()
@@ -208,7 +180,7 @@ pub fn mass_properties(
     if !is_usable {
         return Err(ColliderError::UnusableMass { mass: properties.mass });
     }
-    Ok(RapierMassProperties::with_principal_inertia_frame(
+    Ok(ParryMassProperties::with_principal_inertia_frame(
         centre,
         mass,
         Vector::from(moments),
@@ -299,7 +271,7 @@ fn is_closed(points: usize, triangles: &[[u32; 3]]) -> bool {
 /// let cube = hullwright::convex_hull(&corners)?;
 /// let made = decompose(&cube, &Parameters::default(), &Control::new())?;
 /// let file = HullsFile::new("cube", &made);
-/// let shape = hullwright_rapier::shape_with_primitives(&file, [2.0; 3])?;
+/// let shape = hullwright_parry::shape_with_primitives(&file, [2.0; 3])?;
 /// let parts = shape.as_compound().expect("a box that is placed");
 /// assert!(parts.shapes()[0].1.as_cuboid().is_some());
 /// # Ok::<(), Box<dyn std::error::Error>>(())

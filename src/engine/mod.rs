@@ -1,0 +1,148 @@
+//! The seam between the plugin and a physics engine: what an engine has to do, done by Rapier and
+//! by Avian. Nothing else in this crate names an engine.
+
+#[cfg(feature = "avian")]
+pub(super) mod avian;
+#[cfg(feature = "rapier")]
+pub(super) mod rapier;
+
+use bevy::ecs::component::Mutable;
+use bevy::ecs::entity::EntityHashSet;
+use bevy::ecs::query::{ArchetypeQueryData, QueryData, ReadOnlyQueryData};
+use bevy::ecs::schedule::InternedScheduleLabel;
+use bevy::ecs::system::EntityCommands;
+use bevy::prelude::*;
+use hullwright_parry::parry3d::mass_properties::MassProperties;
+use hullwright_parry::parry3d::shape::SharedShape;
+
+#[cfg(not(any(feature = "avian", feature = "rapier")))]
+compile_error!("bevy_hullwright needs a physics engine: enable the feature `rapier` or `avian`");
+
+/// The physics engine that gets the colliders: the one whose plugin the app has.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+#[non_exhaustive]
+pub enum PhysicsEngine {
+    /// Rapier, by bevy_rapier3d (feature `rapier`).
+    #[cfg(feature = "rapier")]
+    #[default]
+    Rapier,
+    /// Avian, by avian3d (feature `avian`).
+    #[cfg(feature = "avian")]
+    #[cfg_attr(not(feature = "rapier"), default)]
+    Avian,
+}
+
+/// How a body moves.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Motion {
+    Fixed,
+    Kinematic,
+    Dynamic,
+}
+
+/// On a body that is frozen: the entities that it waits for. The engine holds it in place during
+/// its steps alone, so that what users see, clone and save of it is their own.
+#[derive(Component, Debug, Default)]
+pub(crate) struct Frozen {
+    pub for_entities: EntityHashSet,
+}
+
+/// An entity's collider, as its engine has it.
+pub(crate) struct Present<'a> {
+    /// The shape before the engine scales it.
+    pub unscaled: &'a SharedShape,
+    /// Whether the plugin has left the collider to the engine, which changes it.
+    pub is_left: bool,
+}
+
+/// What makes up a volume's mass: a density, or a mass that replaces it.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Weight {
+    pub density: f32,
+    pub mass: Option<f32>,
+}
+
+/// The item of a query.
+pub(crate) type Item<'w, 's, D> = <D as QueryData>::Item<'w, 's>;
+
+/// A physics engine. What is written is written by commands, since the entity may be gone.
+pub(crate) trait Engine: Send + Sync + Sized + 'static {
+    /// What makes an entity a body.
+    type Body: Component;
+    /// The collider of an entity.
+    type Collider: Component;
+    /// Marks colliders that touch nothing.
+    type Sensor: Component;
+    /// Mass properties, as components.
+    type Mass: Send + 'static;
+    /// What is kept of colliders so that equal ones share what they are made of.
+    type Cache: Resource<Mutability = Mutable> + Default;
+    /// What an entity has of a collider and its mass.
+    type Made: ReadOnlyQueryData + ArchetypeQueryData + 'static;
+    /// What a collider inherits from its body or scene.
+    type Surface: ReadOnlyQueryData + 'static;
+
+    /// Whether a collider's offset from its body has the scale of all above the body too.
+    const OFFSETS_HAVE_SCALE_OF_ANCESTORS: bool;
+
+    /// What the log says once of colliders that no body moves, where nothing bumps into them.
+    const WITHOUT_BODY: Option<&str>;
+
+    /// Whether a body falls that has neither collider nor mass.
+    const BODIES_FALL_WITHOUT_MASS: bool;
+
+    /// Adds what the engine needs for itself: how bodies are held, and sets before its steps.
+    fn build(app: &mut App);
+
+    /// What can be known only when all plugins are there; warns where the engine's is missing.
+    fn finish(app: &mut App);
+
+    /// The schedule of fixed steps in which new bodies may have to be frozen, before its systems.
+    fn fixed_steps() -> InternedScheduleLabel;
+
+    fn motion(body: &Self::Body) -> Motion;
+
+    fn body(motion: Motion) -> Self::Body;
+
+    fn present<'a>(made: &'a Item<'_, '_, Self::Made>) -> Option<Present<'a>>;
+
+    /// Whether the mass of an entity is the plugin's to set.
+    fn owns_mass(made: &Item<'_, '_, Self::Made>) -> bool;
+
+    /// A collider that has this shape once the engine has applied the scale.
+    fn collider(shape: &SharedShape, scale: Vec3, cache: &mut Self::Cache) -> Self::Collider;
+
+    /// The shape of a collider before the engine scales it.
+    fn unscaled(collider: &Self::Collider) -> &SharedShape;
+
+    /// Gives an entity a collider.
+    fn attach(entity: &mut EntityCommands, collider: Self::Collider, mass: Option<Self::Mass>);
+
+    /// Changes the collider that an entity has, often: with as little work as the engine allows.
+    fn replace(entity: &mut EntityCommands, collider: Self::Collider, mass: Option<Self::Mass>);
+
+    fn remove_collider(entity: &mut EntityCommands);
+
+    /// The collider is the engine's from now on, and has this scale, where that is known.
+    fn leave(entity: &mut EntityCommands, scale: Option<Vec3>);
+
+    /// Mass properties in the collider's space.
+    fn mass(properties: MassProperties) -> Self::Mass;
+
+    /// Those of a shape by its volume.
+    fn mass_by_volume(shape: &SharedShape, weight: Weight) -> Self::Mass;
+
+    fn set_mass(entity: &mut EntityCommands, mass: Self::Mass);
+
+    fn remove_mass(entity: &mut EntityCommands);
+
+    /// Gives a collider the components of the nearest giver that has them, but none that it has.
+    fn inherit(
+        own: &Item<'_, '_, Self::Surface>,
+        from: &[Item<'_, '_, Self::Surface>],
+        to: &mut EntityCommands,
+    );
+
+    /// Wakes a body that may sleep.
+    fn wake(commands: &mut Commands, body: Entity);
+}
