@@ -227,7 +227,7 @@ impl Plugin for HullwrightPlugin {
 
 fn add_for_engine<E: Engine>(app: &mut App) {
     E::build(app);
-    app.add_plugins((collider::ColliderPlugin::<E>::default(), scene::ScenePlugin::<E>::default()));
+    app.add_plugins((collider::plugin::<E>, scene::plugin::<E>));
 }
 
 /// The pages' programs run as tests.

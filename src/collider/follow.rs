@@ -32,7 +32,7 @@ pub(super) fn follow_scales<E: Engine>(
         done += 1;
         let Ok((mut own, attached, made)) = followers.get_mut(entity) else { continue };
         // One that the game has put in its place is its own, and one left to the engine follows.
-        if !E::present(&made).is_some_and(|present| own.is(&present)) {
+        if !E::present(&made).is_some_and(|present| own.is::<E>(present)) {
             continue;
         }
         let place = placements.placement(entity);

@@ -11,7 +11,6 @@ pub(super) mod waiting;
 pub(super) mod work;
 
 use std::collections::BTreeMap;
-use std::marker::PhantomData;
 
 use bevy::ecs::system::SystemParam;
 use bevy::mesh::skinning::SkinnedMesh;
@@ -46,80 +45,69 @@ use super::tag::outcomes::{
 use super::tag::settings::{HullwrightSettings, HullwrightSystems};
 
 /// Turns tags into requests and results into colliders, and looks after what waits for one.
-pub(super) struct ColliderPlugin<E>(PhantomData<E>);
-
-impl<E> Default for ColliderPlugin<E> {
-    fn default() -> Self {
-        Self(PhantomData)
-    }
-}
-
-impl<E: Engine> Plugin for ColliderPlugin<E> {
-    fn build(&self, app: &mut App) {
-        app.init_resource::<Unfinished>()
-            .init_resource::<Fallbacks>()
-            .init_resource::<E::Cache>()
-            .add_observer(on_collider::<E>)
-            .add_observer(on_untag::<E, ConvexDecomposition>)
-            .add_observer(on_untag::<E, BakedDecomposition>);
-        // Where the engine runs in fixed steps: a body that is tagged before them does not fall.
-        app.add_systems(E::fixed_steps(), freeze_new::<E>.in_set(HullwrightSystems::DetectChanges));
-        app.add_systems(
-            PostUpdate,
+pub(super) fn plugin<E: Engine>(app: &mut App) {
+    app.init_resource::<Unfinished>()
+        .init_resource::<Fallbacks>()
+        .init_resource::<E::Cache>()
+        .add_observer(on_collider::<E>)
+        .add_observer(on_untag::<E, ConvexDecomposition>)
+        .add_observer(on_untag::<E, BakedDecomposition>);
+    // Where the engine runs in fixed steps: a body that is tagged before them does not fall.
+    app.add_systems(E::fixed_steps(), freeze_new::<E>.in_set(HullwrightSystems::DetectChanges));
+    app.add_systems(
+        PostUpdate,
+        (
             (
-                (
-                    detect_tags::<E>,
-                    detect_assets::<E, Mesh>,
-                    detect_assets::<E, BakedScene>,
-                    detect_scales::<E>,
-                    detect_moved_parts::<E>,
-                    #[cfg(feature = "bevy_gltf")]
-                    changes::detect_shown::<E>
-                        .run_if(|settings: Res<HullwrightSettings>| settings.skip.hidden),
-                    start_near.run_if(any_with_component::<FarFromFocus>),
-                    drop_far::<E>
-                        .run_if(|settings: Res<HullwrightSettings>| settings.skip.drop_far),
-                    compare_marked::<E>.run_if(|of: Res<Unfinished>| !of.marked.is_empty()),
-                )
-                    .chain()
-                    .in_set(HullwrightSystems::DetectChanges),
-                resolve::<E>
-                    .after(finish_jobs)
-                    .before(start_jobs)
-                    .in_set(HullwrightSystems::RunJobs)
-                    .run_if(is_busy),
-                attach_fallbacks::<E>
-                    .after(start_jobs)
-                    .in_set(HullwrightSystems::RunJobs)
-                    .run_if(|fallbacks: Res<Fallbacks>| !fallbacks.is_empty()),
-                (
-                    (attach::<E>, report_failures::<E>).chain().run_if(is_busy),
-                    follow_scales::<E>.run_if(|of: Res<Unfinished>| !of.to_follow.is_empty()),
-                    freeze::<E>.run_if(
-                        is_busy
-                            .or_else(any_with_component::<Frozen>)
-                            .or_else(any_match_filter::<Added<FarFromFocus>>),
-                    ),
-                    freeze_skipped::<E>.run_if(|| E::BODIES_FALL_WITHOUT_MASS),
-                    release::<E>.run_if(any_with_component::<Frozen>),
-                    remove_fallbacks::<E>.run_if(any_with_component::<AttachedFallback>),
-                )
-                    .chain()
-                    .in_set(CollidersAttached),
-                warn_of_skins
-                    .after(CollidersAttached)
-                    .in_set(HullwrightSystems::Attach)
-                    .run_if(any_with_component::<SkinnedMesh>),
-                changes::warn_of_lone_scenes
-                    .in_set(HullwrightSystems::Attach)
-                    .run_if(any_match_filter::<LoneScene>),
-            ),
-        )
-        .configure_sets(
-            PostUpdate,
-            CollidersAttached.before(SlicesRun).in_set(HullwrightSystems::Attach),
-        );
-    }
+                detect_tags::<E>,
+                detect_assets::<E, Mesh>,
+                detect_assets::<E, BakedScene>,
+                detect_scales::<E>,
+                detect_moved_parts::<E>,
+                #[cfg(feature = "bevy_gltf")]
+                changes::detect_shown::<E>
+                    .run_if(|settings: Res<HullwrightSettings>| settings.skip.hidden),
+                start_near.run_if(any_with_component::<FarFromFocus>),
+                drop_far::<E>.run_if(|settings: Res<HullwrightSettings>| settings.skip.drop_far),
+                compare_marked::<E>.run_if(|of: Res<Unfinished>| !of.marked.is_empty()),
+            )
+                .chain()
+                .in_set(HullwrightSystems::DetectChanges),
+            resolve::<E>
+                .after(finish_jobs)
+                .before(start_jobs)
+                .in_set(HullwrightSystems::RunJobs)
+                .run_if(is_busy),
+            attach_fallbacks::<E>
+                .after(start_jobs)
+                .in_set(HullwrightSystems::RunJobs)
+                .run_if(|fallbacks: Res<Fallbacks>| !fallbacks.is_empty()),
+            (
+                (attach::<E>, report_failures::<E>).chain().run_if(is_busy),
+                follow_scales::<E>.run_if(|of: Res<Unfinished>| !of.to_follow.is_empty()),
+                freeze::<E>.run_if(
+                    is_busy
+                        .or_else(any_with_component::<Frozen>)
+                        .or_else(any_match_filter::<Added<FarFromFocus>>),
+                ),
+                freeze_skipped::<E>.run_if(|| E::BODIES_FALL_WITHOUT_MASS),
+                release::<E>.run_if(any_with_component::<Frozen>),
+                remove_fallbacks::<E>.run_if(any_with_component::<AttachedFallback>),
+            )
+                .chain()
+                .in_set(CollidersAttached),
+            warn_of_skins
+                .after(CollidersAttached)
+                .in_set(HullwrightSystems::Attach)
+                .run_if(any_with_component::<SkinnedMesh>),
+            changes::warn_of_lone_scenes
+                .in_set(HullwrightSystems::Attach)
+                .run_if(any_match_filter::<LoneScene>),
+        ),
+    )
+    .configure_sets(
+        PostUpdate,
+        CollidersAttached.before(SlicesRun).in_set(HullwrightSystems::Attach),
+    );
 }
 
 /// All of [`HullwrightSystems::Attach`] that concerns single entities.

@@ -1,8 +1,8 @@
 //! Where the engine puts an entity's collider, and what is left to bake into its points.
 //!
-//! An engine places a collider by a rotation and a translation. All else that the entity's transform
-//! does, scale, mirroring and the shear that a non-uniform scale gives to turned children, goes
-//! into the points, so that the collider lies where the mesh is drawn.
+//! An engine places a collider by a rotation and a translation. All else that the entity's
+//! transform does, scale, mirroring and the shear that a non-uniform scale gives to turned
+//! children, goes into the points, so that the collider lies where the mesh is drawn.
 
 use bevy::ecs::system::SystemParam;
 use bevy::math::{Affine3A, Mat3A, Vec3A};
@@ -134,8 +134,8 @@ impl<E: Engine> Placements<'_, '_, E> {
         up_to_body.filter(move |giver| body == Some(*giver) || self.givers.contains(*giver))
     }
 
-    /// Whether the engine would turn the body of an entity: it keeps a rotation and no mirroring, and
-    /// Bevy takes any mirroring for one along x and a rotation.
+    /// Whether the engine would turn the body of an entity: it keeps a rotation and no mirroring,
+    /// and Bevy takes any mirroring for one along x and a rotation.
     pub(super) fn has_mirrored_body(&self, entity: Entity) -> bool {
         let Some((body, kind)) = self.body(entity) else { return false };
         let scale = self.transforms.get(body).map_or(Vec3::ONE, |transform| transform.scale);
@@ -195,7 +195,11 @@ impl<E: Engine> Placements<'_, '_, E> {
             }
             _ => snap(Affine3A::from_mat3(without_rotation(&global).into()), Vec3A::ZERO),
         };
-        Placement { map, engine_scale: self.scale_of_all(entity), stretch }
+        let engine_scale = match E::SCALES_COLLIDERS {
+            true => self.scale_of_all(entity),
+            false => Vec3::ONE,
+        };
+        Placement { map, engine_scale, stretch }
     }
 
     /// The scale that an entity has now, also before Bevy propagates it.
@@ -236,7 +240,7 @@ impl<E: Engine> Placements<'_, '_, E> {
     fn offset(&self, entity: Entity, body: Entity) -> Affine3A {
         let put = |offset, transform: &Transform| *transform * offset;
         let offset = self.transforms_below(body, entity).fold(Transform::IDENTITY, put);
-        let scale = match E::OFFSETS_HAVE_SCALE_OF_ANCESTORS {
+        let scale = match E::SCALES_COLLIDERS {
             true => self.scale_of_all(body),
             false => self.transforms.get(body).map_or(Vec3::ONE, |transform| transform.scale),
         };

@@ -4,7 +4,7 @@
 use std::collections::VecDeque;
 use std::sync::Arc;
 
-use bevy::ecs::entity::EntityHashMap;
+use bevy::ecs::entity::{EntityHashMap, EntityHashSet};
 use bevy::ecs::system::SystemParam;
 use bevy::math::Affine3A;
 use bevy::prelude::*;
@@ -40,10 +40,6 @@ pub(super) struct Bodies<'w, 's, E: Engine> {
 }
 
 impl<E: Engine> Bodies<'_, '_, E> {
-    fn hangs(&self, entity: Entity, hanging: &Hanging<E>) -> bool {
-        self.placements.body(entity).is_some_and(|(body, _)| hanging.is_hanging(body))
-    }
-
     /// Freezes the bodies of those that have no collider yet.
     fn freeze_for(&mut self, entities: impl Iterator<Item = Entity>, commands: &mut Commands) {
         let mut new: EntityHashMap<Frozen> = EntityHashMap::default();
@@ -130,14 +126,19 @@ pub(super) fn freeze_skipped<E: Engine>(
     new_bodies: Query<Entity, Added<<E as Engine>::Body>>,
     settings: Res<HullwrightSettings>,
     hanging: Hanging<E>,
-    mut bodies: Bodies<E>,
+    placements: Placements<E>,
 ) {
-    if settings.freeze_until_ready {
-        let below = new_bodies.iter().flat_map(|body| hanging.all(body));
-        let skipped = changed.iter().chain(below).filter(|entity| hanging.is_skipped(*entity));
-        let skipped: Vec<Entity> =
-            skipped.filter(|entity| bodies.hangs(*entity, &hanging)).collect();
-        bodies.freeze_for(skipped.into_iter(), &mut commands);
+    if !settings.freeze_until_ready {
+        return;
+    }
+    let below = new_bodies.iter().flat_map(|body| hanging.all(body));
+    let skipped = changed.iter().chain(below).filter(|entity| hanging.is_skipped(*entity));
+    let bodies: EntityHashSet = skipped
+        .filter_map(|entity| placements.body(entity))
+        .filter_map(|(body, motion)| (motion == Motion::Dynamic).then_some(body))
+        .collect();
+    for body in bodies.into_iter().filter(|body| hanging.is_hanging(*body)) {
+        commands.entity(body).try_insert_if_new(Frozen::default());
     }
 }
 

@@ -17,7 +17,7 @@ use hullwright_parry::parry3d::shape::SharedShape;
 
 use super::moved::moved;
 use super::placement::{Placement, Stretch, maps_differ};
-use crate::engine::{Engine, Present, Weight};
+use crate::engine::{Engine, Weight};
 use crate::jobs::Jobs;
 use crate::jobs::baked::BakedDecomposition;
 use crate::jobs::request::ColliderRequest;
@@ -116,8 +116,8 @@ impl OwnCollider {
     }
 
     /// Whether a collider is this one.
-    pub(super) fn is(&self, present: &Present) -> bool {
-        Arc::ptr_eq(&present.unscaled.0, &self.unscaled.0)
+    pub(super) fn is<E: Engine>(&self, present: &E::Collider) -> bool {
+        Arc::ptr_eq(&E::unscaled(present).0, &self.unscaled.0)
     }
 
     /// Changes to another shape at the scale that the entity has by now.
@@ -195,8 +195,10 @@ impl<E: Engine> MadeBeforeItem<'_, '_, E> {
 
     /// Whether its collider is the game's. One that was left to the engine has its scale.
     pub(super) fn has_games_collider(&self) -> bool {
-        E::present(&self.in_engine)
-            .is_some_and(|present| !self.own.is_some_and(|own| present.is_left || own.is(&present)))
+        let is_own = |present| {
+            self.own.is_some_and(|own| E::is_left(&self.in_engine) || own.is::<E>(present))
+        };
+        E::present(&self.in_engine).is_some_and(|present| !is_own(present))
     }
 
     pub(super) fn owns_mass(&self) -> bool {
@@ -258,7 +260,10 @@ pub(super) fn attach_shape<E: Engine>(
 ) {
     // Whoever sees the collider come sees whose it is.
     entity.try_insert((own, record));
-    E::attach(entity, collider, mass);
+    E::attach(entity, collider);
+    if let Some(mass) = mass {
+        E::set_mass(entity, mass);
+    }
 }
 
 /// An entity that is not finished.

@@ -1,6 +1,25 @@
 //! The seam between the plugin and a physics engine: what an engine has to do, done by Rapier and
 //! by Avian. Nothing else in this crate names an engine.
 
+/// Declares what an engine reads from the entity of a collider, and people put on its body or its
+/// scene.
+macro_rules! surface {
+    ($($field:ident: $component:ty,)*) => {
+        #[derive(bevy::ecs::query::QueryData)]
+        pub(crate) struct Surface {
+            $($field: Option<&'static $component>,)*
+        }
+
+        fn inherit(own: &SurfaceItem, from: &[SurfaceItem], to: &mut EntityCommands) {
+            $(if own.$field.is_none()
+                && let Some(component) = from.iter().find_map(|giver| giver.$field)
+            {
+                to.try_insert(component.clone());
+            })*
+        }
+    };
+}
+
 #[cfg(feature = "avian")]
 pub(super) mod avian;
 #[cfg(feature = "rapier")]
@@ -14,6 +33,8 @@ use bevy::ecs::system::EntityCommands;
 use bevy::prelude::*;
 use hullwright_parry::parry3d::mass_properties::MassProperties;
 use hullwright_parry::parry3d::shape::SharedShape;
+
+use crate::tag::settings::HullwrightSystems;
 
 #[cfg(not(any(feature = "avian", feature = "rapier")))]
 compile_error!("bevy_hullwright needs a physics engine: enable the feature `rapier` or `avian`");
@@ -47,14 +68,6 @@ pub(crate) struct Frozen {
     pub for_entities: EntityHashSet,
 }
 
-/// An entity's collider, as its engine has it.
-pub(crate) struct Present<'a> {
-    /// The shape before the engine scales it.
-    pub unscaled: &'a SharedShape,
-    /// Whether the plugin has left the collider to the engine, which changes it.
-    pub is_left: bool,
-}
-
 /// What makes up a volume's mass: a density, or a mass that replaces it.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Weight {
@@ -82,8 +95,9 @@ pub(crate) trait Engine: Send + Sync + Sized + 'static {
     /// What a collider inherits from its body or scene.
     type Surface: ReadOnlyQueryData + 'static;
 
-    /// Whether a collider's offset from its body has the scale of all above the body too.
-    const OFFSETS_HAVE_SCALE_OF_ANCESTORS: bool;
+    /// Whether the engine scales colliders, and their offsets from their body, by the product of
+    /// all scales above them.
+    const SCALES_COLLIDERS: bool;
 
     /// What the log says once of colliders that no body moves, where nothing bumps into them.
     const WITHOUT_BODY: Option<&str>;
@@ -104,7 +118,12 @@ pub(crate) trait Engine: Send + Sync + Sized + 'static {
 
     fn body(motion: Motion) -> Self::Body;
 
-    fn present<'a>(made: &'a Item<'_, '_, Self::Made>) -> Option<Present<'a>>;
+    fn present<'a>(made: &'a Item<'_, '_, Self::Made>) -> Option<&'a Self::Collider>;
+
+    /// Whether the plugin has left the collider to the engine, which changes it.
+    fn is_left(_: &Item<'_, '_, Self::Made>) -> bool {
+        false
+    }
 
     /// Whether the mass of an entity is the plugin's to set.
     fn owns_mass(made: &Item<'_, '_, Self::Made>) -> bool;
@@ -116,15 +135,20 @@ pub(crate) trait Engine: Send + Sync + Sized + 'static {
     fn unscaled(collider: &Self::Collider) -> &SharedShape;
 
     /// Gives an entity a collider.
-    fn attach(entity: &mut EntityCommands, collider: Self::Collider, mass: Option<Self::Mass>);
+    fn attach(entity: &mut EntityCommands, collider: Self::Collider);
 
     /// Changes the collider that an entity has, often: with as little work as the engine allows.
-    fn replace(entity: &mut EntityCommands, collider: Self::Collider, mass: Option<Self::Mass>);
+    fn replace(entity: &mut EntityCommands, collider: Self::Collider, mass: Option<Self::Mass>) {
+        Self::attach(entity, collider);
+        if let Some(mass) = mass {
+            Self::set_mass(entity, mass);
+        }
+    }
 
     fn remove_collider(entity: &mut EntityCommands);
 
     /// The collider is the engine's from now on, and has this scale, where that is known.
-    fn leave(entity: &mut EntityCommands, scale: Option<Vec3>);
+    fn leave(_: &mut EntityCommands, _: Option<Vec3>) {}
 
     /// Mass properties in the collider's space.
     fn mass(properties: MassProperties) -> Self::Mass;
@@ -145,4 +169,14 @@ pub(crate) trait Engine: Send + Sync + Sized + 'static {
 
     /// Wakes a body that may sleep.
     fn wake(commands: &mut Commands, body: Entity);
+}
+
+/// Puts the plugin's systems before the steps of an engine, in each frame and in fixed steps.
+fn run_before(app: &mut App, steps: impl SystemSet + Clone, fixed: InternedScheduleLabel) {
+    app.configure_sets(
+        PostUpdate,
+        (HullwrightSystems::DetectChanges, HullwrightSystems::RunJobs, HullwrightSystems::Attach)
+            .before(steps.clone()),
+    );
+    app.configure_sets(fixed, HullwrightSystems::DetectChanges.before(steps));
 }

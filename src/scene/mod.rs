@@ -5,7 +5,6 @@ pub(super) mod hierarchy;
 mod linked_levels;
 pub(super) mod tagging;
 
-use std::marker::PhantomData;
 use std::time::Duration;
 
 #[cfg(feature = "bevy_gltf")]
@@ -35,47 +34,35 @@ use super::tag::parameters::Goal;
 use super::tag::settings::HullwrightSystems;
 
 /// Tags whole scenes, and sums up how far they and all else are.
-pub(super) struct ScenePlugin<E>(PhantomData<E>);
-
-impl<E> Default for ScenePlugin<E> {
-    fn default() -> Self {
-        Self(PhantomData)
-    }
-}
-
-impl<E: Engine> Plugin for ScenePlugin<E> {
-    fn build(&self, app: &mut App) {
-        app.init_resource::<DecompositionProgress>()
-            .add_observer(on_hierarchy_gone)
-            .register_type::<TaggedByHierarchy>()
-            .register_type::<ConvexDecompositionHierarchy>()
-            .register_type::<HierarchyStatus>()
-            .register_type::<ColliderPieceOf>()
-            .register_type::<ColliderPieces>()
-            .register_type::<DecompositionProgress>();
-        #[cfg(feature = "bevy_gltf")]
-        linked_levels::mark_linked_levels(app);
-        #[cfg(feature = "bevy_gltf")]
-        app.register_type::<tagging::HiddenByHierarchy>();
-        app.add_systems(
-            PostUpdate,
+pub(super) fn plugin<E: Engine>(app: &mut App) {
+    app.init_resource::<DecompositionProgress>()
+        .add_observer(on_hierarchy_gone)
+        .register_type::<TaggedByHierarchy>()
+        .register_type::<ConvexDecompositionHierarchy>()
+        .register_type::<HierarchyStatus>()
+        .register_type::<ColliderPieceOf>()
+        .register_type::<ColliderPieces>()
+        .register_type::<DecompositionProgress>();
+    #[cfg(feature = "bevy_gltf")]
+    linked_levels::mark_linked_levels(app);
+    #[cfg(feature = "bevy_gltf")]
+    app.register_type::<tagging::HiddenByHierarchy>();
+    app.add_systems(
+        PostUpdate,
+        (
+            tag_hierarchies::<E>.before(detect_tags::<E>).in_set(HullwrightSystems::DetectChanges),
             (
-                tag_hierarchies::<E>
-                    .before(detect_tags::<E>)
-                    .in_set(HullwrightSystems::DetectChanges),
-                (
-                    (reopen, finish_hierarchies::<E>)
-                        .chain()
-                        .run_if(any_with_component::<HierarchyWork>),
-                    sum_up_progress,
-                )
+                (reopen, finish_hierarchies::<E>)
                     .chain()
-                    .after(CollidersAttached)
-                    .before(SlicesRun)
-                    .in_set(HullwrightSystems::Attach),
-            ),
-        );
-    }
+                    .run_if(any_with_component::<HierarchyWork>),
+                sum_up_progress,
+            )
+                .chain()
+                .after(CollidersAttached)
+                .before(SlicesRun)
+                .in_set(HullwrightSystems::Attach),
+        ),
+    );
 }
 
 /// Meshes that the log names one by one; of more it says how many.

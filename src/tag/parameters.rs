@@ -122,8 +122,8 @@ impl Goal {
 }
 
 impl ConvexDecomposition {
-    /// The method that makes the hulls: [`parameters`](Self::parameters) if they are given, else the
-    /// one of the tag's own settings.
+    /// The method that makes the hulls: [`parameters`](Self::parameters) if they are given, else
+    /// the one of the tag's own settings.
     pub fn to_parameters(&self) -> Method {
         self.parameters.clone().unwrap_or_else(|| self.flat_parameters().into())
     }

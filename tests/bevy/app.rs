@@ -315,6 +315,14 @@ pub fn assert_faces_are_right(app: &App, entity: Entity) {
     }
 }
 
+/// Mass properties of an entity's collider.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MassOf {
+    pub mass: f32,
+    pub centre: Vec3,
+    pub moments: Vec3,
+}
+
 pub fn translation(app: &App, entity: Entity) -> Vec3 {
     app.get::<Transform>(entity).expect("a transform").translation
 }

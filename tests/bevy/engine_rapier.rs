@@ -98,13 +98,6 @@ pub fn has_mass(app: &App, entity: Entity) -> bool {
     app.get::<ColliderMassProperties>(entity).is_some()
 }
 
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct MassOf {
-    pub mass: f32,
-    pub centre: Vec3,
-    pub moments: Vec3,
-}
-
 /// The mass properties of an entity's collider, which come from its mesh.
 pub fn mass(app: &App, entity: Entity) -> MassOf {
     match app.get::<ColliderMassProperties>(entity) {

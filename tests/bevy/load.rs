@@ -150,7 +150,8 @@ impl RandomWorld {
             .with_fallback_collider(fallbacks[self.random.below(2)])
     }
 
-    /// A body that stays where it is and meets nothing: heaps take the engine's time, not the plugin's.
+    /// A body that stays where it is and meets nothing: heaps take the engine's time, not the
+    /// plugin's.
     fn body(&mut self) -> impl Bundle + use<> {
         let kinds = [RigidBody::Dynamic, KINEMATIC, FIXED];
         let alone = alone();

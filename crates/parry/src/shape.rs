@@ -1,9 +1,8 @@
 //! From hulls and mass properties to Parry's types, and back.
 //!
-//! Parry takes convex polyhedra as points and triangles in `f32`. It checks little of them, and what
-//! it does not check ends in a panic or in wrong contacts later.
-//! So hulls are scaled, rounded and built anew here, and everything that Parry relies on is
-//! checked before it is called.
+//! Parry takes convex polyhedra as points and triangles in `f32`. It checks little of them, and
+//! what it does not check ends in a panic or in wrong contacts later. So hulls are scaled, rounded
+//! and built anew here, and everything that Parry relies on is checked before it is called.
 
 use hullwright::hull::{
     DEFAULT_TOLERANCE, HullBuilder, Primitive, SinglePrecisionHull, Slack, fit_primitive,

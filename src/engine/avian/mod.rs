@@ -14,8 +14,7 @@ use hullwright_parry::parry3d::mass_properties::MassProperties;
 use hullwright_parry::parry3d::math::Pose;
 use hullwright_parry::parry3d::shape::{SharedShape, TypedShape};
 
-use super::{Engine, Item, Motion, Present, Weight};
-use crate::tag::settings::HullwrightSystems;
+use super::{Engine, Item, Motion, Weight, run_before};
 
 /// avian3d 0.8.
 pub(crate) struct Avian;
@@ -58,33 +57,8 @@ pub(crate) struct Colliders(HashMap<(usize, [u32; 3]), (SharedShape, Collider)>)
 /// Scaled colliders that are kept: a level's kinds of props.
 const MOST_KEPT: usize = 256;
 
-/// Declares what Avian reads from the entity of a collider, and people put on its body or its
-/// scene.
-macro_rules! surface {
-    ($($field:ident: $component:ty,)*) => {
-        #[derive(QueryData)]
-        pub(crate) struct Surface {
-            layers: Option<&'static CollisionLayers>,
-            $($field: Option<&'static $component>,)*
-        }
-
-        fn inherit(own: &SurfaceItem, from: &[SurfaceItem], to: &mut EntityCommands) {
-            // Avian gives each collider these, so the default of one is no choice.
-            if own.layers.is_none_or(|layers| *layers == CollisionLayers::default())
-                && let Some(layers) = from.iter().find_map(|giver| giver.layers)
-            {
-                to.try_insert(*layers);
-            }
-            $(if own.$field.is_none()
-                && let Some(component) = from.iter().find_map(|giver| giver.$field)
-            {
-                to.try_insert(component.clone());
-            })*
-        }
-    };
-}
-
 surface! {
+    layers: CollisionLayers,
     friction: Friction,
     restitution: Restitution,
     sensor: Sensor,
@@ -102,8 +76,7 @@ impl Engine for Avian {
     type Made = Made;
     type Surface = Surface;
 
-    /// A collider's offset is the product of all scales above it.
-    const OFFSETS_HAVE_SCALE_OF_ANCESTORS: bool = true;
+    const SCALES_COLLIDERS: bool = true;
 
     const WITHOUT_BODY: Option<&str> = Some(
         "there is no RigidBody on it or above it, so nothing bumps into its collider: insert \
@@ -114,19 +87,7 @@ impl Engine for Avian {
 
     fn build(app: &mut App) {
         app.register_type::<OwnMass>();
-        app.configure_sets(
-            PostUpdate,
-            (
-                HullwrightSystems::DetectChanges,
-                HullwrightSystems::RunJobs,
-                HullwrightSystems::Attach,
-            )
-                .before(PhysicsSystems::First),
-        );
-        app.configure_sets(
-            FixedPostUpdate,
-            HullwrightSystems::DetectChanges.before(PhysicsSystems::First),
-        );
+        run_before(app, PhysicsSystems::First, Self::fixed_steps());
         hold::hold(app);
     }
 
@@ -159,8 +120,8 @@ impl Engine for Avian {
         }
     }
 
-    fn present<'a>(made: &'a Item<'_, '_, Made>) -> Option<Present<'a>> {
-        made.collider.map(|collider| Present { unscaled: collider.shape(), is_left: false })
+    fn present<'a>(made: &'a Item<'_, '_, Made>) -> Option<&'a Collider> {
+        made.collider
     }
 
     fn owns_mass(made: &Item<'_, '_, Made>) -> bool {
@@ -192,36 +153,26 @@ impl Engine for Avian {
         collider.shape()
     }
 
-    fn attach(entity: &mut EntityCommands, collider: Collider, mass: Option<OwnMass>) {
+    fn attach(entity: &mut EntityCommands, collider: Collider) {
         entity.queue_silenced(move |mut entity: EntityWorldMut| {
             // The place that an earlier collider has left would move the entity there.
             if !entity.contains::<Collider>() && !entity.contains::<RigidBody>() {
                 entity.remove::<(Position, Rotation)>();
             }
             entity.insert(collider.clone());
-            // Avian has taken a scale that Bevy may not have propagated yet, and would keep it below
-            // no body.
+            // Avian has taken a scale that Bevy may not have propagated yet, and would keep it
+            // below no body.
             if let Some(mut present) = entity.get_mut::<Collider>()
                 && present.scale() != collider.scale()
             {
                 *present = collider;
             }
         });
-        if let Some(mass) = mass {
-            Self::set_mass(entity, mass);
-        }
-    }
-
-    fn replace(entity: &mut EntityCommands, collider: Collider, mass: Option<OwnMass>) {
-        Self::attach(entity, collider, mass);
     }
 
     fn remove_collider(entity: &mut EntityCommands) {
         entity.try_remove::<Collider>();
     }
-
-    /// Avian scales what it has.
-    fn leave(_: &mut EntityCommands, _: Option<Vec3>) {}
 
     fn mass(properties: MassProperties) -> OwnMass {
         OwnMass {
@@ -256,6 +207,12 @@ impl Engine for Avian {
         to: &mut EntityCommands,
     ) {
         inherit(own, from, to);
+        // Avian gives each collider these, so the default of one is no choice.
+        if own.layers == Some(&CollisionLayers::default())
+            && let Some(layers) = from.iter().find_map(|giver| giver.layers)
+        {
+            to.try_insert(*layers);
+        }
     }
 
     fn wake(commands: &mut Commands, body: Entity) {

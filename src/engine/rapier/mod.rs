@@ -19,7 +19,7 @@ use hullwright_parry::parry3d::mass_properties::MassProperties;
 use hullwright_parry::parry3d::shape::SharedShape;
 use hullwright_rapier::ContactDispatcher;
 
-use super::{Engine, Item, Motion, Present, Weight};
+use super::{Engine, Item, Motion, Weight, run_before};
 use crate::tag::settings::{HullwrightSettings, HullwrightSystems};
 
 /// bevy_rapier3d 0.37.
@@ -45,25 +45,6 @@ pub(crate) struct Made {
 #[derive(Resource, Default)]
 pub(crate) struct NoCache;
 
-/// Declares what bevy_rapier reads from the entity of a collider, and people put on its body or its
-/// scene.
-macro_rules! surface {
-    ($($field:ident: $component:ty,)*) => {
-        #[derive(QueryData)]
-        pub(crate) struct Surface {
-            $($field: Option<&'static $component>,)*
-        }
-
-        fn inherit(own: &SurfaceItem, from: &[SurfaceItem], to: &mut EntityCommands) {
-            $(if own.$field.is_none()
-                && let Some(component) = from.iter().find_map(|giver| giver.$field)
-            {
-                to.try_insert(*component);
-            })*
-        }
-    };
-}
-
 surface! {
     friction: Friction,
     restitution: Restitution,
@@ -86,8 +67,8 @@ impl Engine for Rapier {
     type Made = Made;
     type Surface = Surface;
 
-    /// bevy_rapier multiplies the local transforms up to the body's scale.
-    const OFFSETS_HAVE_SCALE_OF_ANCESTORS: bool = false;
+    /// The scale is in the points, and bevy_rapier multiplies offsets up to the body's scale.
+    const SCALES_COLLIDERS: bool = false;
 
     const WITHOUT_BODY: Option<&str> = None;
 
@@ -95,19 +76,7 @@ impl Engine for Rapier {
 
     fn build(app: &mut App) {
         app.register_type::<OwnMass>();
-        app.configure_sets(
-            PostUpdate,
-            (
-                HullwrightSystems::DetectChanges,
-                HullwrightSystems::RunJobs,
-                HullwrightSystems::Attach,
-            )
-                .before(PhysicsSet::SyncBackend),
-        );
-        app.configure_sets(
-            FixedUpdate,
-            HullwrightSystems::DetectChanges.before(PhysicsSet::SyncBackend),
-        );
+        run_before(app, PhysicsSet::SyncBackend, Self::fixed_steps());
         app.add_systems(PostUpdate, set_dispatcher.in_set(HullwrightSystems::DetectChanges));
         hold::hold_in(app, PostUpdate);
         hold::hold_in(app, FixedUpdate);
@@ -150,16 +119,18 @@ impl Engine for Rapier {
         }
     }
 
-    fn present<'a>(made: &'a Item<'_, '_, Made>) -> Option<Present<'a>> {
-        let is_left = matches!(made.scale, Some(ColliderScale::Relative(_)));
-        made.collider.map(|collider| Present { unscaled: &collider.raw, is_left })
+    fn present<'a>(made: &'a Item<'_, '_, Made>) -> Option<&'a Collider> {
+        made.collider
+    }
+
+    fn is_left(made: &Item<'_, '_, Made>) -> bool {
+        matches!(made.scale, Some(ColliderScale::Relative(_)))
     }
 
     fn owns_mass(made: &Item<'_, '_, Made>) -> bool {
         made.mass.is_none_or(|present| made.own_mass.is_some_and(|own| own.0 == *present))
     }
 
-    /// The scale is in the points.
     fn collider(shape: &SharedShape, _: Vec3, _: &mut NoCache) -> Collider {
         Collider::from(shape.clone())
     }
@@ -168,16 +139,9 @@ impl Engine for Rapier {
         &collider.raw
     }
 
-    fn attach(
-        entity: &mut EntityCommands,
-        collider: Collider,
-        mass: Option<ColliderMassProperties>,
-    ) {
+    fn attach(entity: &mut EntityCommands, collider: Collider) {
         // bevy_rapier must not apply the scale again.
         entity.try_insert((collider, ColliderScale::Absolute(Vec3::ONE)));
-        if let Some(mass) = mass {
-            Self::set_mass(entity, mass);
-        }
     }
 
     /// Rapier's own collider is written to: where bevy_rapier sees a change it computes the volume
