@@ -182,7 +182,7 @@ impl<'a> Merging<'a> {
         let mut patches = first.patches;
         patches.union_with(&second.patches);
         let vertices = hull.vertices();
-        self.pieces.push(Some(Piece { patches, hull, vertices, inner_points: Vec::new() }));
+        self.pieces.push(Some(Piece { patches, hull, vertices }));
         let new = self.queue.join((a, b));
         let mut joined = std::mem::take(&mut self.links[a as usize]);
         for (link, cost) in std::mem::take(&mut self.links[b as usize]) {

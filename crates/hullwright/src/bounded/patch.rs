@@ -161,8 +161,6 @@ pub(crate) struct Piece {
     pub hull: GrowingHull,
     /// Vertices of the hull, where other pieces are going to join it; empty otherwise.
     pub vertices: Vec<Vector>,
-    /// Points inside the solid that its hull contains too, so that the solid is not left hollow.
-    pub inner_points: Vec<Vector>,
 }
 
 impl Piece {
@@ -176,7 +174,7 @@ impl Piece {
             outward += patch.outward;
         }
         let hull = GrowingHull::new(&points, outward);
-        Self { patches: set.clone(), hull, vertices: Vec::new(), inner_points: Vec::new() }
+        Self { patches: set.clone(), hull, vertices: Vec::new() }
     }
 }
 

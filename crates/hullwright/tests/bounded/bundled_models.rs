@@ -5,10 +5,10 @@ use std::time::Instant;
 use hullwright::openings::close_openings;
 use hullwright::{Control, Parameters, Preset, decompose};
 
-use crate::common::{self, Mesh, run, view};
+use crate::common::{self, Mesh, run, run_with, view};
 use crate::independent::exact::{Faults, faults};
 use crate::independent::sampling::sample;
-use crate::{assert_promise, promised};
+use crate::{assert_promise, judge, promised, with_bound};
 
 /// Points on hulls, and on the surface, of each model: a second or two in all.
 const SAMPLES: usize = 10_000;
@@ -39,6 +39,18 @@ const HULLS: [(&str, usize); 15] = [
 fn models() -> impl Iterator<Item = (String, Mesh)> {
     let models = common::bundled_models().into_iter();
     models.map(|(name, mesh)| (name, (mesh.positions, mesh.triangles)))
+}
+
+#[test]
+fn no_closed_model_stays_hollow_under_a_small_bound() {
+    let mut closed = 0;
+    for (name, mesh) in models().filter(|(name, _)| ["dog", "mug", "teapot"].contains(&&name[..])) {
+        let hulls = run_with(&mesh, &with_bound(0.005)).hulls;
+        let Some(hollow) = judge(&mesh, &hulls).uncovered_volume else { continue };
+        closed += 1;
+        assert!(hollow < 0.03, "{name}: {hollow}");
+    }
+    assert!(closed > 1);
 }
 
 #[test]

@@ -263,7 +263,14 @@ const CONSTANTS: [(&str, &[(&str, &str)]); 16] = [
         &[("0.4 times as large", "LENIENCE"), ("radius below 0.35 ε", "SMALL")],
     ),
     ("crates/hullwright/src/bounded/cover/grow.rs", &[("until 8 in turn", "MAX_REFUSED_IN_TURN")]),
-    ("crates/hullwright/src/bounded/cover/mod.rs", &[("2,000 points", "POINTS")]),
+    (
+        "crates/hullwright/src/bounded/finalize/fill.rs",
+        &[
+            ("2,000 points", "POINTS"),
+            ("4,000", "POINTS_INSIDE"),
+            ("16 points at a time", "MAX_INSERTED"),
+        ],
+    ),
     (
         "crates/hullwright/src/hull/convex_hull.rs",
         &[("0.001 times their diagonal", "MINIMUM_THICKNESS")],

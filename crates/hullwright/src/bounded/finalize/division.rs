@@ -31,8 +31,7 @@ pub(super) fn hulls_of_piece(
     context: &FinalizeContext<'_>,
     piece: &Piece,
 ) -> Result<Option<PieceHulls>, Error> {
-    let Piece { patches, inner_points, .. } = piece;
-    let owned = Owned { patches: patches.clone(), part: None, inner_points: inner_points.clone() };
+    let owned = Owned { patches: piece.patches.clone(), part: None, inner_points: Vec::new() };
     let open = vec![Open { owned, may_fill: true }];
     let mut division = Division {
         context,
@@ -69,20 +68,15 @@ impl Division<'_> {
         while let Some(Open { owned, may_fill }) = self.open.pop() {
             control.check()?;
             let is_first = std::mem::take(&mut is_first);
-            let points = owned.inner_points.len();
+            let contains_middle = !owned.inner_points.is_empty();
             let hull = make_hull(self.context, owned, &mut self.builder)?;
             if hull.keeps_bound(settings) {
                 self.done.push(hull);
                 continue;
             }
-            // Points in a hollow are many. If its halves had to hold them too, they would exceed
-            // the limit on vertices again, down to single triangles.
-            let extends_over_hollow = points > 1;
-            let protrudes = hull.protrusion > settings.bound.verified();
-            if points > 0 && (extends_over_hollow || protrudes) {
-                // A piece that extends over a hollow does without it first.
+            if contains_middle && hull.protrusion > settings.bound.verified() {
                 let owned = Owned { inner_points: Vec::new(), ..hull.owned };
-                self.open.push(Open { owned, may_fill: is_first });
+                self.open.push(Open { owned, may_fill: false });
                 continue;
             }
             let mut inner_points = hull.owned.inner_points.clone();
@@ -349,17 +343,6 @@ mod tests {
             assert_eq!(hull.owned.inner_points.len(), 1);
         }
         assert!(owners(&fixture, &hulls).iter().all(|&owners| owners == 1));
-    }
-
-    #[test]
-    fn a_piece_that_extends_over_a_hollow_does_without_it_before_it_is_divided() {
-        let fixture = Fixture::new(&cubes([0.0, 2.0]), 0.02);
-        let mut piece = fixture.piece([0]);
-        piece.inner_points = vec![Vector::splat(0.5), Vector::splat(0.4)];
-        let PieceHulls { hulls, .. } = hulls_of_piece(&context(&fixture), &piece).unwrap().unwrap();
-        let [hull] = &hulls[..] else { panic!("{} hulls", hulls.len()) };
-        assert!(hull.owned.inner_points.is_empty());
-        assert_eq!(hull.hull.points.len(), 8);
     }
 
     #[test]

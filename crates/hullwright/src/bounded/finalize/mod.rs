@@ -9,8 +9,10 @@
 //! | `hull_simplification` | vertices are saved |
 //! | `final_hull` | the final hull of some patches, and what it owns |
 //! | `division` | pieces whose hull does not keep the bound are halved, and halves join again |
+//! | `fill` | hulls are extended over what they leave hollow |
 
 mod division;
+mod fill;
 pub(crate) mod final_hull;
 mod hull_simplification;
 
@@ -37,26 +39,31 @@ const DOUBTFUL: f64 = 1.25;
 /// counts more than hulls. `None` where there are so many that the search is given up.
 pub(crate) fn finalize(
     search: &Search<'_>,
-    Cover { pieces, before_last_round }: Cover,
+    Cover { pieces, overlapping, before_last_round }: Cover,
 ) -> Result<Option<FinalHulls>, Error> {
     let &Search { patches, settings, control, .. } = search;
-    let verified = |pieces: &[Piece]| VerifiedPieces::new(*search, pieces);
-    let Some(last) = verified(&pieces)? else { return Ok(None) };
-    let Some(before) = before_last_round else { return last.remerged().map(Some) };
-    let verified_before = || verified(&assign_owners(patches, &before, control)?);
+    let Some(last) = VerifiedPieces::new(*search, &pieces)? else { return Ok(None) };
+    let Some(before) = before_last_round else { return last.finished(&overlapping).map(Some) };
+    let verified_before =
+        || VerifiedPieces::new(*search, &assign_owners(patches, &before, control)?);
     if last.hulls.len() as f64 > DOUBTFUL * before.len() as f64 && !control.is_past_deadline() {
-        let before = verified_before()?;
-        let before = before.filter(|before| before.hulls.len() <= last.hulls.len());
-        return before.unwrap_or(last).remerged().map(Some);
+        let verified = verified_before()?;
+        let verified = verified.filter(|before| before.hulls.len() <= last.hulls.len());
+        let finished = match verified {
+            Some(verified) => verified.finished(&before),
+            None => last.finished(&overlapping),
+        };
+        return finished.map(Some);
     }
-    let last = last.remerged()?;
+    let last = last.finished(&overlapping)?;
     let is_uncovered = last.uncovered > settings.bound.max_uncovered();
     if !is_uncovered || control.is_past_deadline() {
         return Ok(Some(last));
     }
-    let before = verified_before()?.map(VerifiedPieces::remerged).transpose()?;
-    let before = before.filter(|before| before.uncovered < last.uncovered);
-    Ok(Some(before.unwrap_or(last)))
+    let verified = verified_before()?;
+    let finished = verified.map(|verified| verified.finished(&before)).transpose()?;
+    let finished = finished.filter(|before| before.uncovered < last.uncovered);
+    Ok(Some(finished.unwrap_or(last)))
 }
 
 /// The hulls of pieces: see [`hulls_of_piece`].
@@ -96,12 +103,14 @@ impl<'a> VerifiedPieces<'a> {
         Ok((!is_given_up).then_some(made))
     }
 
-    /// The same, remerged where they were divided, with how far the surface is outside all of them.
-    fn remerged(self) -> Result<FinalHulls, Error> {
+    /// The same, remerged where they were divided, and filled, with how far the surface is outside
+    /// all of them. `overlapping` are the pieces before they shrank.
+    fn finished(self, overlapping: &[Piece]) -> Result<FinalHulls, Error> {
         let Self { context, mut hulls, is_divided, without_vertex_limit } = self;
         if is_divided {
             hulls = remerge(&context, hulls)?;
         }
+        fill::fill(&context, &mut hulls, overlapping)?;
         let uncovered = uncovered(&context.search, &hulls)?;
         let without_vertex_limit = without_vertex_limit.min(hulls.len());
         Ok(FinalHulls { hulls, uncovered, without_vertex_limit })
@@ -159,6 +168,10 @@ mod tests {
         finalize(&fixture.search(), cover).unwrap()
     }
 
+    fn cover(pieces: Vec<Piece>, before_last_round: Option<Vec<Piece>>) -> Cover {
+        Cover { pieces, overlapping: Vec::new(), before_last_round }
+    }
+
     fn all(fixture: &Fixture) -> Piece {
         fixture.piece(0..fixture.patches.count() as u32)
     }
@@ -166,8 +179,7 @@ mod tests {
     #[test]
     fn a_box_is_one_hull_that_leaves_nothing_uncovered() {
         let fixture = Fixture::new(&cuboid([0.0; 3], [1.0; 3]), 0.02);
-        let cover = Cover { pieces: vec![all(&fixture)], before_last_round: None };
-        let found = finalized(&fixture, cover).unwrap();
+        let found = finalized(&fixture, cover(vec![all(&fixture)], None)).unwrap();
         assert_eq!([found.hulls.len(), found.without_vertex_limit], [1, 1]);
         assert_eq!(found.hulls[0].hull.points.len(), 8);
         assert!(found.uncovered < 1e-9, "{}", found.uncovered);
@@ -176,7 +188,7 @@ mod tests {
     #[test]
     fn all_hulls_of_a_prism_keep_the_bound_and_cover_the_surface() {
         let fixture = Fixture::new(&l_prism(), 0.02);
-        let cover = Cover { pieces: vec![all(&fixture)], before_last_round: None };
+        let cover = cover(vec![all(&fixture)], None);
         let FinalHulls { hulls, uncovered, .. } = finalized(&fixture, cover).unwrap();
         assert_eq!(hulls.len(), 2);
         assert!(hulls.iter().all(|hull| hull.keeps_bound(&fixture.settings)));
@@ -188,10 +200,7 @@ mod tests {
         let fixture = Fixture::new(&cubes([0.0, 2.0]), 0.02);
         // One piece over the gap, which is divided. What there was before shows by its number.
         let single = || fixture.piece([0]);
-        let cover = |before: Vec<Piece>| Cover {
-            pieces: vec![all(&fixture)],
-            before_last_round: Some(before),
-        };
+        let cover = |before: Vec<Piece>| cover(vec![all(&fixture)], Some(before));
         let before = vec![single()];
         let last = VerifiedPieces::new(fixture.search(), &[all(&fixture)]).unwrap().unwrap();
         assert!(last.hulls.len() as f64 > DOUBTFUL && last.is_divided);
@@ -205,7 +214,7 @@ mod tests {
     fn a_last_round_that_leaves_surface_uncovered_gives_way_to_the_cover_before_it() {
         let fixture = Fixture::new(&cubes([0.0, 2.0]), 0.02);
         let before_last_round = Some(merge(&fixture.search()).unwrap());
-        let cover = Cover { pieces: vec![fixture.piece([0])], before_last_round };
+        let cover = cover(vec![fixture.piece([0])], before_last_round);
         let found = finalized(&fixture, cover).unwrap();
         assert_eq!(found.hulls.len(), 2);
         assert!(found.uncovered < 1e-9, "{}", found.uncovered);
@@ -228,10 +237,9 @@ mod tests {
         let mut fixture =
             Fixture::with(&cubes([0.0, 2.0]), &Parameters::default().with_max_hulls(1));
         let pieces = || [0, 1].map(|patch| fixture.piece([patch])).to_vec();
-        let cover = |pieces| Cover { pieces, before_last_round: None };
-        assert_eq!(finalized(&fixture, cover(pieces())).unwrap().hulls.len(), 2);
+        assert_eq!(finalized(&fixture, cover(pieces(), None)).unwrap().hulls.len(), 2);
         let pieces = pieces();
         fixture.settings = fixture.settings.with_bound(0.02);
-        assert!(finalized(&fixture, cover(pieces)).is_none());
+        assert!(finalized(&fixture, cover(pieces, None)).is_none());
     }
 }
