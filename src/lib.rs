@@ -87,9 +87,11 @@ use self::engine::Engine;
 /// The library, and what makes its hulls Rapier's: their types are in this crate's signatures.
 pub use hullwright;
 pub use hullwright_parry;
+pub use hullwright_parry::subshape_at;
 #[cfg(feature = "rapier")]
 pub use hullwright_rapier;
 
+pub use collider::parts::ColliderParts;
 #[cfg(feature = "debug")]
 pub use debug::{HullGizmos, HullwrightDebug, HullwrightDebugPlugin};
 pub use engine::PhysicsEngine;
@@ -124,15 +126,15 @@ pub use tag::{
 pub mod prelude {
     pub use super::{
         AbsentReason, BakedDecomposition, BakedScene, BudgetSettings, CacheSettings,
-        ColliderAbsent, ColliderPieceOf, ColliderPieces, ColliderReady, ConvexDecomposition,
-        ConvexDecompositionHierarchy, DecompositionCancelled, DecompositionCounters,
-        DecompositionFailed, DecompositionFocus, DecompositionOpenings, DecompositionPreset,
-        DecompositionPriority, DecompositionProgress, DecompositionReady, DecompositionShape,
-        DecompositionSkipped, DecompositionStatus, Execution, FallbackCollider, FromBakedScene,
-        HierarchyFinished, HierarchyReport, HierarchyStatus, HullSource, HullwrightPlugin,
-        HullwrightSettings, HullwrightSystems, MadeOf, MaxError, NoConvexDecomposition,
-        PhysicsEngine, SkipReason, SkipSettings, VerifiedDistances, WaitReason,
-        all_decompositions_done, decompositions_pending,
+        ColliderAbsent, ColliderParts, ColliderPieceOf, ColliderPieces, ColliderReady,
+        ConvexDecomposition, ConvexDecompositionHierarchy, DecompositionCancelled,
+        DecompositionCounters, DecompositionFailed, DecompositionFocus, DecompositionOpenings,
+        DecompositionPreset, DecompositionPriority, DecompositionProgress, DecompositionReady,
+        DecompositionShape, DecompositionSkipped, DecompositionStatus, Execution, FallbackCollider,
+        FromBakedScene, HierarchyFinished, HierarchyReport, HierarchyStatus, HullSource,
+        HullwrightPlugin, HullwrightSettings, HullwrightSystems, MadeOf, MaxError,
+        NoConvexDecomposition, PhysicsEngine, SkipReason, SkipSettings, VerifiedDistances,
+        WaitReason, all_decompositions_done, decompositions_pending,
     };
     #[cfg(feature = "debug")]
     pub use super::{HullwrightDebug, HullwrightDebugPlugin};
@@ -243,6 +245,8 @@ mod pages {
     struct Artists;
     #[doc = include_str!("../docs/bevy/fixed-timestep.md")]
     struct FixedTimestep;
+    #[doc = include_str!("../docs/bevy/hulls.md")]
+    struct Hulls;
     #[doc = include_str!("../docs/bevy/migration.md")]
     struct Migration;
     #[doc = include_str!("../docs/bevy/settings.md")]

@@ -4,6 +4,7 @@
 pub(super) mod changes;
 mod follow;
 mod moved;
+pub(super) mod parts;
 pub(super) mod placement;
 pub(super) mod resolve;
 mod skins;
@@ -23,6 +24,7 @@ use self::changes::{
     on_collider, on_untag, start_near,
 };
 use self::follow::follow_scales;
+use self::parts::ColliderParts;
 use self::placement::{Placements, Stretch, maps_differ};
 use self::resolve::{compare_marked, resolve};
 use self::skins::warn_of_skins;
@@ -184,7 +186,7 @@ fn attach<E: Engine>(
         let (made_of, hulls, verified) = match &*built.geometry {
             ColliderGeometry::Triangles(_) => (MadeOf::Triangles, 0, None),
             ColliderGeometry::Primitive(..) => (MadeOf::Primitive, 1, None),
-            ColliderGeometry::Hulls(file) => {
+            ColliderGeometry::Hulls(file, _) => {
                 let hulls = file.hulls.len();
                 (MadeOf::Hulls(hulls), hulls, verified_distances(file))
             }
@@ -265,7 +267,7 @@ impl<E: Engine> Targets<'_, '_, E> {
     ) -> Result<Option<Stretch>, DecompositionError> {
         let place = self.placements.placement(entity);
         let mass = match &*built.geometry {
-            ColliderGeometry::Hulls(file) => file.mass_properties,
+            ColliderGeometry::Hulls(file, _) => file.mass_properties,
             ColliderGeometry::Triangles(_) | ColliderGeometry::Primitive(..) => None,
         };
         let made_map = requested.request.to_collider();
@@ -283,7 +285,8 @@ impl<E: Engine> Targets<'_, '_, E> {
         if before.owns_mass() && mass.is_none() {
             E::remove_mass(&mut commands);
         }
-        let record = AttachedCollider { requested: requested.clone() };
+        let parts = ColliderParts::new(requested.parts.clone(), built.geometry.clone());
+        let record = (AttachedCollider { requested: requested.clone() }, parts);
         attach_shape::<E>(&mut commands, (own, collider), mass, record);
         commands.try_remove::<AttachedFallback>();
         // A collider inherits the components of its surface that it does not have itself.

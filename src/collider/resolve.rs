@@ -110,7 +110,7 @@ enum Resolution {
 }
 
 /// Compares what marked entities are made of now with what they were: those that differ start anew.
-pub(super) fn compare_marked<E: Engine>(mut work: Work, scene: Scene<E>, outcomes: Outcomes) {
+pub(super) fn compare_marked<E: Engine>(mut work: Work, scene: Scene<E>, mut outcomes: Outcomes) {
     for entity in std::mem::take(&mut work.unfinished.marked) {
         if !work.is_resolved(entity) {
             continue;
@@ -134,6 +134,11 @@ pub(super) fn compare_marked<E: Engine>(mut work: Work, scene: Scene<E>, outcome
             }
             Resolution::Requested(requested, presence) => {
                 let asset = requested.request.input.asset();
+                // Other entities may have the same meshes by now.
+                if let Some(parts) = tag.before.parts.and_then(|of| of.of_others(&requested.parts))
+                {
+                    outcomes.commands.entity(entity).try_insert(parts);
+                }
                 if work.update(entity, &tag.before, requested, &presence) {
                     let who = scene.descriptions.entity(entity, asset);
                     log::warn!(
@@ -309,7 +314,10 @@ impl<E: Engine> Scene<'_, '_, E> {
         let missing = Some(id).filter(|_| !self.scenes.contains(&baked.scene));
         let presence = self.presence(entity, missing, &map);
         let weight = Weight { density: baked.density, mass: baked.mass };
-        let requested = Requested { request: Arc::new(request), stretch, weight };
+        let mut meshes = Vec::new();
+        self.collect(entity, entity, &mut meshes);
+        let parts = meshes.into_iter().map(|(entity, _)| entity).collect();
+        let requested = Requested { request: Arc::new(request), stretch, weight, parts };
         Resolution::Requested(requested, presence)
     }
 
@@ -345,11 +353,12 @@ impl<E: Engine> Scene<'_, '_, E> {
         scene: Option<&FromBakedScene>,
         jobs: &Jobs,
     ) -> Resolution {
-        let mut parts = Vec::new();
-        self.collect(entity, entity, &mut parts);
-        if parts.is_empty() {
+        let mut meshes = Vec::new();
+        self.collect(entity, entity, &mut meshes);
+        if meshes.is_empty() {
             return Resolution::NoMesh;
         }
+        let (entities, parts): (Vec<Entity>, Vec<MeshPart>) = meshes.into_iter().unzip();
         let missing = parts.iter().map(|part| part.mesh).find(|mesh| !self.meshes.contains(*mesh));
         let mut missing = missing.map(AssetId::untyped);
         let goal = self.goal(entity, tag);
@@ -393,7 +402,7 @@ impl<E: Engine> Scene<'_, '_, E> {
         });
         let request = ColliderRequest { input, parts, goal: Some(goal), map_before, map };
         let weight = Weight { density: tag.density, mass: tag.mass };
-        let requested = Requested { request: Arc::new(request), stretch, weight };
+        let requested = Requested { request: Arc::new(request), stretch, weight, parts: entities };
         Resolution::Requested(requested, presence)
     }
 
@@ -425,14 +434,14 @@ impl<E: Engine> Scene<'_, '_, E> {
 
     /// The meshes on an entity and below it, in the order of the children, of several levels of
     /// detail the finest.
-    fn collect(&self, top: Entity, entity: Entity, parts: &mut Vec<MeshPart>) {
+    fn collect(&self, top: Entity, entity: Entity, parts: &mut Vec<(Entity, MeshPart)>) {
         let is_left_out = || self.boundaries.contains(entity) || self.levels.is_coarser(entity);
         if entity != top && is_left_out() {
             return;
         }
         if let Ok(mesh) = self.meshes_on.get(entity) {
             let to_input = self.placements.relative(entity, top);
-            parts.push(MeshPart { mesh: mesh.id(), to_input });
+            parts.push((entity, MeshPart { mesh: mesh.id(), to_input }));
         }
         if let Ok(children) = self.children.get(entity) {
             for child in children {

@@ -16,6 +16,7 @@ use hullwright_parry::ColliderError;
 use hullwright_parry::parry3d::shape::SharedShape;
 
 use super::moved::moved;
+use super::parts::ColliderParts;
 use super::placement::{Placement, Stretch, maps_differ};
 use crate::engine::{Engine, Weight};
 use crate::jobs::Jobs;
@@ -41,6 +42,8 @@ pub(crate) struct Requested {
     pub request: Arc<ColliderRequest>,
     pub stretch: Stretch,
     pub weight: Weight,
+    /// The entities whose meshes it is made of, in the order of the request's parts.
+    pub parts: Vec<Entity>,
 }
 
 impl Requested {
@@ -178,6 +181,7 @@ impl FailedRequest {
 pub(crate) struct MadeBefore<E: Engine> {
     pub attached: Option<&'static AttachedCollider>,
     pub(super) failed: Option<&'static FailedRequest>,
+    pub(super) parts: Option<&'static ColliderParts>,
     own: Option<&'static OwnCollider>,
     in_engine: E::Made,
 }
@@ -236,7 +240,7 @@ impl<E: Engine> MadeBeforeItem<'_, '_, E> {
         if !self.has_games_collider() {
             E::remove_collider(entity);
         }
-        entity.try_remove::<(OwnCollider, AttachedCollider, AttachedFallback)>();
+        entity.try_remove::<(OwnCollider, AttachedCollider, AttachedFallback, ColliderParts)>();
         if self.owns_mass() {
             E::remove_mass(entity);
         }
@@ -479,6 +483,7 @@ impl Work<'_> {
             // It is attached at the scale and with the mass of then.
             if let Some(now) = &mut entry.requested {
                 (now.stretch, now.weight) = (wanted.stretch, wanted.weight);
+                now.parts = wanted.parts;
             }
             entry.is_outdated = false;
             return false;

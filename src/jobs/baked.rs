@@ -8,7 +8,9 @@ use bevy::asset::{AssetLoader, HandleTemplate, LoadContext};
 use bevy::platform::collections::HashMap;
 use bevy::prelude::*;
 use hullwright::Method;
-use hullwright::hulls_format::{BakedMesh, BakedTriangles, HullScene, HullsFileError, SceneLookup};
+use hullwright::hulls_format::{
+    BakedMesh, BakedTriangles, HullScene, HullsFile, HullsFileError, SceneLookup,
+};
 
 use super::cache::ColliderGeometry;
 use super::request::{ContentKey, MeshData};
@@ -134,7 +136,7 @@ impl BakedScene {
         let all = made.scene.meshes.iter().enumerate();
         let usable = all.filter(|(_, baked)| made.is_usable(baked)).map(|(index, baked)| {
             let goal = Goal::Hulls(baked.parameters.clone()).hash();
-            (ContentKey::Mesh { mesh: baked.hash, goal, scene: None }, index)
+            (ContentKey::Mesh { mesh: baked.hash, goal, parts: None, scene: None }, index)
         });
         made.usable = Arc::new(usable.collect());
         made
@@ -146,8 +148,9 @@ impl BakedScene {
     }
 
     /// The hulls of a mesh with this content, where they may be used.
-    pub(super) fn geometry(&self, key: ContentKey) -> Option<Arc<ColliderGeometry>> {
-        self.geometry_of(*self.usable.get(&key)?)
+    pub(super) fn hulls(&self, key: ContentKey) -> Option<HullsFile> {
+        let baked = self.scene.meshes.get(*self.usable.get(&key.whole())?)?;
+        Some(baked.hulls.clone())
     }
 
     /// The place of the mesh with a name; of the only mesh without one.
@@ -181,10 +184,11 @@ impl BakedScene {
     pub(super) fn geometry_of(&self, index: usize) -> Option<Arc<ColliderGeometry>> {
         let HullScene { meshes, triangles, .. } = &*self.scene;
         if let Some(baked) = meshes.get(index) {
-            return Some(ColliderGeometry::of_hulls(baked.hulls.clone()));
+            return Some(ColliderGeometry::of_hulls(baked.hulls.clone(), Vec::new()));
         }
         let BakedTriangles { positions, triangles, .. } = triangles.get(index - meshes.len())?;
-        let data = MeshData { positions: positions.clone(), triangles: triangles.clone() };
+        let (positions, triangles) = (positions.clone(), triangles.clone());
+        let data = MeshData { positions, triangles, part_ends: Vec::new() };
         Some(ColliderGeometry::Triangles(data).into())
     }
 

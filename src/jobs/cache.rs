@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use bevy::asset::UntypedAssetId;
 use bevy::platform::collections::{HashMap, HashSet};
 use hullwright::hulls_format::HullsFile;
-use hullwright::{ConvexHull, Hull};
+use hullwright::{ConvexHull, Hull, PartShare};
 use hullwright_parry::parry3d::shape::SharedShape;
 
 use super::platform::{DiskCache, DiskState};
@@ -18,8 +18,9 @@ use crate::tag::settings::HullwrightSettings;
 /// What a collider is made of, in its mesh's own space.
 #[derive(Debug)]
 pub(crate) enum ColliderGeometry {
-    /// Hulls, with mass properties at a density of 1.
-    Hulls(Box<HullsFile>),
+    /// Hulls, with mass properties at a density of 1, and for each hull the parts that it is made of,
+    /// where there are several.
+    Hulls(Box<HullsFile>, Vec<Vec<PartShare>>),
     /// The mesh itself.
     Triangles(MeshData),
     /// The mesh around which a box, ball or capsule is put.
@@ -27,14 +28,14 @@ pub(crate) enum ColliderGeometry {
 }
 
 impl ColliderGeometry {
-    pub(super) fn of_hulls(file: HullsFile) -> Arc<Self> {
-        Arc::new(Self::Hulls(Box::new(file)))
+    pub(super) fn of_hulls(file: HullsFile, shares: Vec<Vec<PartShare>>) -> Arc<Self> {
+        Arc::new(Self::Hulls(Box::new(file), shares))
     }
 
     /// About how much memory it takes.
     fn bytes(&self) -> usize {
         match self {
-            Self::Hulls(file) => {
+            Self::Hulls(file, _) => {
                 let of_hull = |hull: &Hull| {
                     let ConvexHull { points, triangles } = &hull.shape;
                     size_of_val(&**points) + size_of_val(&**triangles) + size_of_val(hull)

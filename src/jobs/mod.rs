@@ -608,7 +608,8 @@ fn count_decomposition(
     built: &BuiltCollider,
     has_probe: bool,
 ) {
-    let (HullSource::Decomposed, ColliderGeometry::Hulls(file)) = (built.source, &*built.geometry)
+    let (HullSource::Decomposed, ColliderGeometry::Hulls(file, _)) =
+        (built.source, &*built.geometry)
     else {
         return;
     };

@@ -127,6 +127,9 @@ pub(crate) enum ContentKey {
         mesh: MeshHash,
         /// What is made of it: see [`Goal::hash`].
         goal: [u8; 32],
+        /// Where its parts end, where there are several: hulls of the same triangles in other parts
+        /// are made of others.
+        parts: Option<[u8; 32]>,
         /// The baked scene that it comes from, which may have other hulls than a decomposition
         /// makes.
         scene: Option<UntypedAssetId>,
@@ -138,15 +141,33 @@ pub(crate) enum ContentKey {
 impl ContentKey {
     /// What is made of a mesh. O(1).
     pub(super) fn of_mesh(mesh: MeshHash, goal: &Goal) -> Self {
-        Self::Mesh { mesh, goal: goal.hash(), scene: None }
+        Self::Mesh { mesh, goal: goal.hash(), parts: None, scene: None }
     }
 
     /// The same content, as a baked scene has it.
-    pub(super) fn in_scene(self, of: UntypedAssetId) -> Self {
-        match self {
-            Self::Mesh { mesh, goal, .. } => Self::Mesh { mesh, goal, scene: Some(of) },
-            Self::Baked { .. } => self,
+    pub(super) fn in_scene(mut self, of: UntypedAssetId) -> Self {
+        if let Self::Mesh { scene, .. } = &mut self {
+            *scene = Some(of);
         }
+        self
+    }
+
+    /// The same content, whatever its parts.
+    pub(super) fn whole(mut self) -> Self {
+        if let Self::Mesh { parts, .. } = &mut self {
+            *parts = None;
+        }
+        self
+    }
+
+    /// The same content in parts.
+    pub(super) fn in_parts(mut self, data: &MeshData) -> Self {
+        if let Self::Mesh { parts, .. } = &mut self {
+            let ends = || data.part_ends.iter().flat_map(|end| end.to_le_bytes());
+            *parts = (data.part_ends.len() > 1)
+                .then(|| Sha256::digest(ends().collect::<Vec<u8>>()).into());
+        }
+        self
     }
 
     /// The baked scene that it comes from.
@@ -159,7 +180,7 @@ impl ContentKey {
 
     /// What caches outside of memory call it; `None` for what comes from a baked scene.
     pub(super) fn name(&self) -> Option<String> {
-        let Self::Mesh { mesh, goal, scene: None } = self else { return None };
+        let Self::Mesh { mesh, goal, scene: None, .. } = self else { return None };
         let mut hasher = Sha256::new_with_prefix(mesh.as_bytes());
         hasher.update(goal);
         Some(MeshHash::from_bytes(hasher.finalize().into()).to_string())
@@ -187,9 +208,16 @@ pub(crate) struct MeshPart {
 pub(crate) struct MeshData {
     pub positions: Vec<[f32; 3]>,
     pub triangles: Vec<[u32; 3]>,
+    /// For each part how many triangles there are up to its end; empty where parts are not known.
+    pub part_ends: Vec<u32>,
 }
 
 impl MeshData {
+    /// The part that a triangle belongs to.
+    pub(crate) fn part_of(&self, triangle: u32) -> usize {
+        self.part_ends.partition_point(|end| *end <= triangle)
+    }
+
     pub(super) fn view(&self) -> MeshView<'_> {
         MeshView::new(&self.positions, &self.triangles)
     }
@@ -212,6 +240,7 @@ pub(crate) fn read_parts(
     for part in parts {
         let mesh = meshes.get(part.mesh).ok_or(DecompositionError::NotLoaded)?;
         append(&mut data, mesh, &(*map * part.to_input))?;
+        data.part_ends.push(u32::try_from(data.triangles.len()).unwrap_or(u32::MAX));
     }
     if data.triangles.is_empty() {
         let vertices = data.positions.len();

@@ -8,8 +8,8 @@ use bevy::math::{Affine3A, DMat3, DVec3, Vec3A};
 use bevy::tasks::futures_lite::future::yield_now;
 use hullwright::hulls_format::HullsFile;
 use hullwright::{
-    Control, Decomposer, Error, MassProperties, MeshView, Method, MethodReport,
-    mass_properties_with,
+    Control, Decomposer, Error, Hull, MassProperties, MeshView, Method, MethodReport,
+    mass_properties_with, part_shares,
 };
 use hullwright_parry::ColliderError;
 use hullwright_parry::parry3d::math::{Pose, Vector};
@@ -134,7 +134,7 @@ impl DecompositionTask {
             }
             Some(TaskInput::Mesh { data, goal, baked }) => match self.hashing.hash(&data) {
                 Some(hash) => {
-                    let key = ContentKey::of_mesh(hash, &goal);
+                    let key = ContentKey::of_mesh(hash, &goal).in_parts(&data);
                     self.start(key, data, &goal, baked, control)
                 }
                 None => {
@@ -156,8 +156,11 @@ impl DecompositionTask {
     ) -> StepResult {
         if let Some((id, scene)) = baked {
             let own = key.in_scene(id);
-            return match self.cache.geometry(own).or_else(|| scene.geometry(key)) {
-                Some(geometry) => self.build(own, geometry, HullSource::Baked),
+            if let Some(geometry) = self.cache.geometry(own) {
+                return self.build(own, geometry, HullSource::Baked);
+            }
+            return match scene.hulls(key) {
+                Some(file) => self.build(own, hulls_in_parts(file, &data)?, HullSource::Baked),
                 None => Ok(Some(TaskOutput::Wait(key))),
             };
         }
@@ -174,11 +177,7 @@ impl DecompositionTask {
                 let found = self.disk_cache.as_ref().map(|cache| look(cache, key));
                 let place = match found.unwrap_or(Lookup::Missing) {
                     Lookup::Found(file) => {
-                        return self.build(
-                            key,
-                            ColliderGeometry::of_hulls(*file),
-                            HullSource::Disk,
-                        );
+                        return self.build(key, hulls_in_parts(*file, &data)?, HullSource::Disk);
                     }
                     Lookup::Pending(look) => Place::Elsewhere(look),
                     Lookup::Missing => self.place(&data, method, control)?,
@@ -218,7 +217,7 @@ impl DecompositionTask {
                 Answer::Pending => None,
                 Answer::Made(file) => Some(*file),
                 Answer::Found(file) => {
-                    let geometry = ColliderGeometry::of_hulls(*file);
+                    let geometry = hulls_in_parts(*file, &work.data)?;
                     return self.build(work.key, geometry, HullSource::Disk);
                 }
                 Answer::Missing => {
@@ -236,11 +235,11 @@ impl DecompositionTask {
             self.work = Some(work);
             return Ok(None);
         };
-        let MeshInProgress { key, claim, .. } = work;
+        let MeshInProgress { key, claim, data, .. } = work;
         if let Some(cache) = &self.disk_cache {
             cache.write(key, &file);
         }
-        let output = self.build(key, ColliderGeometry::of_hulls(file), HullSource::Decomposed);
+        let output = self.build(key, hulls_in_parts(file, &data)?, HullSource::Decomposed);
         // Only now that the cache has the result: whoever waits for the claim looks there.
         drop(claim);
         output
@@ -259,6 +258,22 @@ impl DecompositionTask {
     }
 }
 
+/// Hulls, with what they are made of where there are several parts. By their shapes alone, so that
+/// it is the same for those that come from a file.
+fn hulls_in_parts(
+    file: HullsFile,
+    data: &MeshData,
+) -> Result<Arc<ColliderGeometry>, DecompositionError> {
+    if data.part_ends.len() < 2 {
+        return Ok(ColliderGeometry::of_hulls(file, Vec::new()));
+    }
+    let parts: Vec<u32> =
+        (0..data.triangles.len() as u32).map(|triangle| data.part_of(triangle) as u32).collect();
+    let shapes: Vec<Hull> = file.hulls.iter().map(|hull| hull.shape.clone().into()).collect();
+    let shares = part_shares(data.view(), &parts, &shapes)?;
+    Ok(ColliderGeometry::of_hulls(file, shares))
+}
+
 fn shape_of(
     geometry: &ColliderGeometry,
     map: &Affine3A,
@@ -268,11 +283,11 @@ fn shape_of(
     let scale = [matrix.x_axis.x, matrix.y_axis.y, matrix.z_axis.z];
     let is_scale = *map == Affine3A::from_scale(scale.into());
     match geometry {
-        ColliderGeometry::Hulls(file) if is_scale => Ok(match primitives {
+        ColliderGeometry::Hulls(file, _) if is_scale => Ok(match primitives {
             true => hullwright_parry::shape_with_primitives(file, scale)?,
             false => hullwright_parry::shape(&file.hulls, scale)?,
         }),
-        ColliderGeometry::Hulls(file) => {
+        ColliderGeometry::Hulls(file, _) => {
             // A map that flattens leaves no body.
             if !(map.is_finite() && matrix.determinant().is_normal()) {
                 let scale = [matrix.x_axis, matrix.y_axis, matrix.z_axis].map(Vec3A::length);
@@ -396,7 +411,7 @@ mod tests {
     fn panicking_task() -> (DecompositionTask, Control) {
         let positions = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
         let triangles = vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
-        let data = MeshData { positions, triangles };
+        let data = MeshData { positions, triangles, part_ends: Vec::new() };
         let input = TaskInput::Mesh { data, goal: Goal::Hulls(Method::default()), baked: None };
         let cache = GeometryCache::default();
         let task = DecompositionTask::new(

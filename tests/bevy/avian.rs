@@ -24,6 +24,7 @@ mod levels;
 mod load;
 mod meshes;
 mod order;
+mod parts;
 #[cfg(feature = "bevy_gltf")]
 mod pieces;
 mod scale;

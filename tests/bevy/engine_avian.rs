@@ -7,6 +7,7 @@ use avian3d::prelude::*;
 pub use avian3d::prelude::{
     Collider, CollisionLayers as Layers, Friction, GravityScale, LockedAxes, RigidBody, Sensor,
 };
+use bevy::ecs::system::RunSystemOnce;
 use bevy::math::Affine3A;
 use bevy::prelude::*;
 use bevy_hullwright::prelude::*;
@@ -196,6 +197,17 @@ pub fn in_engine(app: &mut App, entity: Entity) -> (Affine3A, SharedShape) {
     let rotation = app.get::<Rotation>(entity).expect("a rotation").0;
     let shape = app.get::<Collider>(entity).expect("a collider").shape_scaled().clone();
     (Affine3A::from_rotation_translation(rotation, place), shape)
+}
+
+/// The collider that a ray downward meets, and which of its subshapes.
+pub fn below(app: &mut App, from: Vec3) -> Option<(Entity, u32)> {
+    let cast = move |space: SpatialQuery| {
+        space.cast_ray(from, Dir3::NEG_Y, 100.0, true, &SpatialQueryFilter::default())
+    };
+    let hit = app.world_mut().run_system_once(cast).unwrap()?;
+    let (place, shape) = in_engine(app, hit.entity);
+    let point = place.inverse().transform_point3(from + Vec3::NEG_Y * hit.distance);
+    Some((hit.entity, bevy_hullwright::subshape_at(&shape, point)))
 }
 
 /// The body that an entity's collider belongs to.

@@ -1,5 +1,6 @@
 //! What the tests say of a physics engine, in Rapier's words.
 
+use bevy::ecs::system::RunSystemOnce;
 use bevy::math::Affine3A;
 use bevy::prelude::*;
 use bevy_hullwright::prelude::*;
@@ -203,6 +204,17 @@ pub fn in_engine(app: &mut App, entity: Entity) -> (Affine3A, SharedShape) {
     let pose = collider.position();
     let place = Affine3A::from_rotation_translation(pose.rotation, pose.translation);
     (place, collider.shared_shape().clone())
+}
+
+/// The collider that a ray downward meets, and which of its subshapes.
+pub fn below(app: &mut App, from: Vec3) -> Option<(Entity, u32)> {
+    let cast = move |context: ReadRapierContext| {
+        let context = context.single().unwrap();
+        let solid = QueryFilter::default();
+        let hit = context.cast_ray_and_get_normal(from, Vec3::NEG_Y, 100.0, true, solid);
+        hit.map(|(entity, hit)| (entity, hit.subshape))
+    };
+    app.world_mut().run_system_once(cast).unwrap()
 }
 
 /// The body that an entity's collider belongs to.

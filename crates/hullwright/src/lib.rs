@@ -43,6 +43,7 @@
 //! | the same | the paper's own hulls; the one hull of all points; the choice as one value | [`surface::decompose`](surface::decompose()); [`single_hull()`]; [`Method`] |
 //! | a decomposition, or hulls of any tool | fewer hulls | [`MergeTree`] |
 //! | a mesh and hulls of any tool | their errors | [`measure::measure`]; point by point [`measure::MeasuredMesh`] |
+//! | a mesh of several materials or primitives, and its hulls | what each hull is made of | [`part_shares()`] |
 //! | a mesh | mass, centre and inertia; a report on its defects | [`mass_properties()`]; [`inspect`] |
 //! | hulls | a file that games load | [`hulls_format`]; `hullwright_formats::bake` for a scene |
 //! | a mesh, Rapier or Bevy | a collider with the mesh's mass | the crates `hullwright_rapier`, `bevy_hullwright` |
@@ -121,6 +122,7 @@ mod method;
 pub mod openings;
 mod parallel;
 mod parameters;
+mod part_shares;
 mod probe;
 mod solid;
 mod stages;
@@ -145,6 +147,7 @@ pub use merge_tree::MergeTree;
 pub use mesh::Repairs;
 pub use method::{Method, MethodReport, single_hull};
 pub use parameters::{Length, Openings, Parameters, ParseError, Preset, UpAxis};
+pub use part_shares::{PartShare, part_shares};
 
 /// The examples of the README run.
 #[cfg(doctest)]

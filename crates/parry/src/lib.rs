@@ -32,7 +32,7 @@ mod shape;
 pub use parry3d;
 pub use shape::{
     ColliderError, convex_polyhedron, hull_from_shape, mass_properties, mesh_from_shape, shape,
-    shape_from_points, shape_with_primitives, triangle_mesh,
+    shape_from_points, shape_with_primitives, subshape_at, triangle_mesh,
 };
 
 /// The examples of the README run.

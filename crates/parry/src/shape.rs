@@ -12,7 +12,8 @@ use hullwright::hulls_format::HullsFile;
 use hullwright::{ConvexHull, Error, Hull, MassProperties, MeshView, TriangleMesh};
 use parry3d::mass_properties::MassProperties as ParryMassProperties;
 use parry3d::math::{Matrix, Pose, Rotation, Vector};
-use parry3d::shape::{ConvexPolyhedron, SharedShape, TriMesh, TriMeshFlags};
+use parry3d::query::PointQueryWithLocation;
+use parry3d::shape::{ConvexPolyhedron, SharedShape, TriMesh, TriMeshFlags, TypedShape};
 
 /// Why there is no collider.
 #[non_exhaustive]
@@ -376,6 +377,37 @@ pub fn triangle_mesh<'a>(
     let points = points.into_iter().map(|p| if p.is_finite() { p } else { Vector::ZERO }).collect();
     TriMesh::with_flags(points, triangles, flags)
         .map_err(|error| ColliderError::TriangleMesh { reason: error.to_string() })
+}
+
+/// The subshape of a shape whose surface is nearest to a point, in the shape's own space: the hull
+/// of a compound, the triangle of a mesh; 0 of another shape. For rays and contacts that say where
+/// something was hit, and not what. O(n) for n hulls, O(log n) for n triangles.
+///
+/// ```
+/// use hullwright_parry::parry3d::math::Vector;
+///
+/// let cube = |x: f64| [0.0, 1.0].map(|dx| {
+///     [[0.0, 0.0], [0.0, 1.0], [1.0, 0.0], [1.0, 1.0]].map(|[y, z]| [x + dx, y, z])
+/// });
+/// let hulls = [cube(0.0).concat(), cube(1.0).concat()];
+/// let shape = hullwright_parry::shape_from_points(&hulls, [1.0; 3])?;
+/// assert_eq!(hullwright_parry::subshape_at(&shape, Vector::new(0.5, 0.5, 1.0)), 0);
+/// assert_eq!(hullwright_parry::subshape_at(&shape, Vector::new(1.5, 0.5, 1.0)), 1);
+/// # Ok::<(), hullwright_parry::ColliderError>(())
+/// ```
+pub fn subshape_at(shape: &SharedShape, point: Vector) -> u32 {
+    match shape.as_typed_shape() {
+        TypedShape::Compound(compound) => {
+            let distance = |(pose, part): &(Pose, SharedShape)| {
+                part.distance_to_point(pose, point, false).abs()
+            };
+            let distances = compound.shapes().iter().map(distance).enumerate();
+            let nearest = distances.min_by(|a, b| a.1.total_cmp(&b.1));
+            nearest.map_or(0, |(index, _)| index as u32)
+        }
+        TypedShape::TriMesh(mesh) => mesh.project_local_point_and_get_location(point, false).1.0,
+        _ => 0,
+    }
 }
 
 /// Parry's convex polyhedron of a hull, whose points are rounded to `f32`. O(n log n).

@@ -113,7 +113,9 @@ impl Filling<'_, '_> {
         while !self.is_done() {
             control.check()?;
             let Some(point) = self.hollow.pop() else { break };
-            for index in nearest(&self.shapes, point) {
+            let distances: Vec<f64> =
+                self.shapes.iter().map(|shape| distance(shape, point)).collect();
+            for index in ascending(&distances) {
                 if tester.attempts >= MAX_ATTEMPTS {
                     return Ok(());
                 }
@@ -161,24 +163,23 @@ fn shape_of(hull: &FinalHull) -> GrowingHull {
     GrowingHull::new(hull.hull.points(), Vector::ZERO)
 }
 
-/// The hulls by their distance from a point.
-fn nearest(shapes: &[GrowingHull], point: Vector) -> Vec<usize> {
-    let mut order: Vec<(f64, usize)> = shapes
-        .iter()
-        .enumerate()
-        .map(|(index, shape)| (shape.builder.farthest_outside(&[point]), index))
-        .collect();
-    order.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-    order.into_iter().map(|(_, index)| index).collect()
+/// The places of distances, from the least on.
+fn ascending(distances: &[f64]) -> Vec<usize> {
+    let mut order: Vec<usize> = (0..distances.len()).collect();
+    order.sort_unstable_by(|&a, &b| distances[a].total_cmp(&distances[b]).then(a.cmp(&b)));
+    order
+}
+
+fn distance(shape: &GrowingHull, point: Vector) -> f64 {
+    shape.builder.farthest_outside(&[point])
 }
 
 /// Extends a hull over more points, the nearest first, and gives those. As many at once as before
 /// fitted and twice as many, or half as many if they do not fit.
 fn extend(tester: &mut FitTester<'_>, shape: &mut GrowingHull, points: &[Vector]) -> Vec<Vector> {
-    let mut order: Vec<(f64, Vector)> =
-        points.iter().map(|&point| (shape.builder.farthest_outside(&[point]), point)).collect();
-    order.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let mut rest: Vec<Vector> = order.into_iter().map(|(_, point)| point).collect();
+    let distances: Vec<f64> = points.iter().map(|&point| distance(shape, point)).collect();
+    let mut rest: Vec<Vector> =
+        ascending(&distances).into_iter().map(|index| points[index]).collect();
     let (mut inserted, mut count, mut refusals) = (Vec::new(), 1, 0);
     while !rest.is_empty() && refusals < MAX_REFUSALS {
         count = count.min(rest.len());
@@ -203,9 +204,9 @@ fn farthest_first(mut shape: GrowingHull, mut points: Vec<Vector>) -> Vec<Vector
     let mut chosen = Vec::new();
     while chosen.len() < MAX_INSERTED {
         points.retain(|&point| !contains(&shape, point));
-        let distance = |point: &Vector| shape.builder.farthest_outside(&[*point]);
-        let farthest = points.iter().copied().max_by(|a, b| distance(a).total_cmp(&distance(b)));
-        let Some(point) = farthest else { break };
+        let distances: Vec<f64> = points.iter().map(|&point| distance(&shape, point)).collect();
+        let Some(&farthest) = ascending(&distances).last() else { break };
+        let point = points[farthest];
         shape.insert(&[point], Vector::ZERO);
         chosen.push(point);
     }
@@ -234,7 +235,7 @@ fn hollow(shapes: &[GrowingHull], solid: &Solid) -> Vec<Vector> {
 fn contains(shape: &GrowingHull, point: Vector) -> bool {
     shape.is_solid
         && (0..3).all(|k| shape.min[k] <= point[k] && point[k] <= shape.max[k])
-        && shape.builder.farthest_outside(&[point]) <= COVERED
+        && distance(shape, point) <= COVERED
 }
 
 #[cfg(test)]

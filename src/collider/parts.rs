@@ -1,0 +1,103 @@
+//! From a hull or a triangle that was hit to the entity whose mesh it is made of, and so to its
+//! material, its name and its sounds.
+
+use std::sync::Arc;
+
+use bevy::prelude::*;
+use hullwright::PartShare;
+
+use crate::jobs::cache::ColliderGeometry;
+
+/// On an entity with a collider of the plugin's: what its hulls or triangles are made of.
+///
+/// A collider may be made of many meshes: a glTF mesh of several materials is an entity with a
+/// `Mesh3d` for each. These are its parts. A ray, cast or contact says which *subshape* it met: the
+/// index of the hull, or of the triangle. From there one call leads to the part:
+///
+/// ```
+/// use bevy::prelude::*;
+/// use bevy_hullwright::prelude::*;
+///
+/// #[derive(Component)]
+/// struct Footsteps(Handle<AudioSource>);
+///
+/// /// What a foot hears that met a subshape of a collider.
+/// fn footstep<'a>(
+///     (collider, subshape): (Entity, u32),
+///     parts: &Query<&ColliderParts>,
+///     sounds: &'a Query<&Footsteps>,
+/// ) -> Option<&'a Footsteps> {
+///     let part = parts.get(collider).ok()?.part(subshape)?;
+///     sounds.get(part).ok()
+/// }
+/// ```
+///
+/// Rapier's rays, casts and contacts have the subshape. Avian's have not: there
+/// [`subshape_at`](crate::subshape_at) finds it by the point that was hit.
+///
+/// A collider of one part is made of that. A box, ball or capsule is made of all parts alike, and
+/// so is a [`BakedDecomposition`](crate::BakedDecomposition) of several meshes, whose triangles
+/// nobody has looked at: then no part is known.
+#[derive(Component, Debug, Clone)]
+pub struct ColliderParts {
+    entities: Vec<Entity>,
+    geometry: Arc<ColliderGeometry>,
+}
+
+impl ColliderParts {
+    pub(super) fn new(entities: Vec<Entity>, geometry: Arc<ColliderGeometry>) -> Self {
+        Self { entities, geometry }
+    }
+
+    /// The same collider, of other entities with the same meshes.
+    pub(super) fn of_others(&self, entities: &[Entity]) -> Option<Self> {
+        let is_same = self.entities == entities;
+        (!is_same).then(|| Self::new(entities.to_vec(), self.geometry.clone()))
+    }
+
+    /// All parts: entities with a `Mesh3d`.
+    pub fn entities(&self) -> &[Entity] {
+        &self.entities
+    }
+
+    /// The part that a hull or a triangle is made of; of several the one with the largest share of
+    /// the area. `None` if that is not known, or there is no such subshape. O(1) for hulls,
+    /// O(log parts) for triangles.
+    pub fn part(&self, subshape: u32) -> Option<Entity> {
+        self.shares(subshape).next().map(|(entity, _)| entity)
+    }
+
+    /// All parts that a hull or a triangle is made of, the largest first, with their shares of the
+    /// area that it stands for. They add up to 1.
+    pub fn shares(&self, subshape: u32) -> impl Iterator<Item = (Entity, f32)> + '_ {
+        let (whole, of_hull) = match (&self.entities[..], &*self.geometry) {
+            (&[only], geometry) => ((subshape < subshapes(geometry)).then_some(only), None),
+            (_, ColliderGeometry::Triangles(data)) => {
+                let is_there = (subshape as usize) < data.triangles.len();
+                let part = is_there.then(|| self.entities.get(data.part_of(subshape))).flatten();
+                (part.copied(), None)
+            }
+            (_, ColliderGeometry::Hulls(_, shares)) => {
+                // A single hull is no compound, whose subshape engines number as they like.
+                let index = if shares.len() == 1 { 0 } else { subshape as usize };
+                (None, shares.get(index))
+            }
+            (_, ColliderGeometry::Primitive(..)) => (None, None),
+        };
+        let of_hull = of_hull.into_iter().flatten().filter_map(|&PartShare { part, share }| {
+            Some((*self.entities.get(part as usize)?, share as f32))
+        });
+        whole.map(|entity| (entity, 1.0)).into_iter().chain(of_hull)
+    }
+}
+
+/// How many subshapes there are.
+fn subshapes(geometry: &ColliderGeometry) -> u32 {
+    let count = match geometry {
+        ColliderGeometry::Hulls(file, _) if file.hulls.len() > 1 => file.hulls.len(),
+        ColliderGeometry::Triangles(data) => data.triangles.len(),
+        // A shape that is no compound, whose subshape engines number as they like.
+        ColliderGeometry::Hulls(..) | ColliderGeometry::Primitive(..) => return u32::MAX,
+    };
+    u32::try_from(count).unwrap_or(u32::MAX)
+}
