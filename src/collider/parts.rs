@@ -18,17 +18,20 @@ use crate::jobs::cache::ColliderGeometry;
 /// use bevy::prelude::*;
 /// use bevy_hullwright::prelude::*;
 ///
-/// #[derive(Component)]
-/// struct Footsteps(Handle<AudioSource>);
+/// #[derive(Component, Clone, Copy)]
+/// enum Footsteps {
+///     Stone,
+///     Wood,
+/// }
 ///
-/// /// What a foot hears that met a subshape of a collider.
-/// fn footstep<'a>(
+/// /// How it sounds where a foot met a subshape of a collider.
+/// fn footsteps(
 ///     (collider, subshape): (Entity, u32),
 ///     parts: &Query<&ColliderParts>,
-///     sounds: &'a Query<&Footsteps>,
-/// ) -> Option<&'a Footsteps> {
+///     sounds: &Query<&Footsteps>,
+/// ) -> Option<Footsteps> {
 ///     let part = parts.get(collider).ok()?.part(subshape)?;
-///     sounds.get(part).ok()
+///     sounds.get(part).ok().copied()
 /// }
 /// ```
 ///

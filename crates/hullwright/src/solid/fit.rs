@@ -280,14 +280,20 @@ impl<'a> FitTester<'a> {
         hull: &mut GrowingHull,
         parts: impl Iterator<Item = (&'p [Vector], Vector)>,
     ) -> bool {
-        let mut points = std::mem::take(&mut self.points);
-        points.clear();
+        self.points.clear();
         let mut outward = Vector::ZERO;
         for (part, part_outward) in parts {
-            points.extend_from_slice(part);
+            self.points.extend_from_slice(part);
             outward += part_outward;
         }
+        self.try_points(hull, outward)
+    }
+
+    /// The same with the points that were noted. It is no part of the generic function, of which
+    /// browsers would get a copy for each kind of iterator.
+    fn try_points(&mut self, hull: &mut GrowingHull, outward: Vector) -> bool {
         self.attempts += 1;
+        let points = std::mem::take(&mut self.points);
         let mut trial = std::mem::take(&mut self.trial);
         trial.copy_from(hull);
         let only_new = trial.insert(&points, outward);
@@ -295,8 +301,7 @@ impl<'a> FitTester<'a> {
         if fits {
             std::mem::swap(hull, &mut trial);
         }
-        self.trial = trial;
-        self.points = points;
+        (self.trial, self.points) = (trial, points);
         fits
     }
 }
