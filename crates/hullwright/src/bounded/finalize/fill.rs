@@ -23,8 +23,8 @@ const POINTS: usize = 2000;
 /// between hulls.
 const MIN_POINTS: usize = 2;
 
-/// Where there is a hollow, so many points in the solid show how far it goes. Half as many leave
-/// the teapot with 3.6 % of its volume in no hull at 0.5 % instead of 0.7 %.
+/// Where there is a hollow, so many points in the solid show how far it goes: what lies between them
+/// may stay hollow.
 const POINTS_INSIDE: usize = 4000;
 
 /// Points in the box among which those are sought: a solid may fill little of it.
