@@ -18,8 +18,8 @@ use crate::tag::settings::HullwrightSettings;
 /// What a collider is made of, in its mesh's own space.
 #[derive(Debug)]
 pub(crate) enum ColliderGeometry {
-    /// Hulls, with mass properties at a density of 1, and for each hull the parts that it is made of,
-    /// where there are several.
+    /// Hulls, with mass properties at a density of 1, and for each hull the parts that it is made
+    /// of, where there are several.
     Hulls(Box<HullsFile>, Vec<Vec<PartShare>>),
     /// The mesh itself.
     Triangles(MeshData),

@@ -2,8 +2,8 @@
 //! shrunk to what it owns.
 //!
 //! Takes verified hulls, extends some over points inside that none contains, and verifies them
-//! again. There are as many hulls as before. O(points · faces of all hulls), and a limited number of
-//! joint hulls.
+//! again. There are as many hulls as before. O(points · faces of all hulls), and a limited number
+//! of joint hulls.
 
 use super::final_hull::{FinalHull, make_hull};
 use super::hull_simplification::FinalizeContext;
@@ -15,16 +15,16 @@ use crate::hull::HullBuilder;
 use crate::hull::growing_hull::GrowingHull;
 use crate::solid::{FitTester, Side, Solid};
 
-/// Points in the box around all hulls that look for a hollow: one of a thousandth of the box holds a
-/// few.
+/// Points in the box around all hulls that look for a hollow: one of a thousandth of the box holds
+/// a few.
 const POINTS: usize = 2000;
 
 /// Fewer points that no hull contains are no hollow: a single one of [`POINTS`] may be a crack
 /// between hulls.
 const MIN_POINTS: usize = 2;
 
-/// Where there is a hollow, so many points in the solid show how far it goes: what lies between them
-/// may stay hollow.
+/// Where there is a hollow, so many points in the solid show how far it goes: what lies between
+/// them may stay hollow.
 const POINTS_INSIDE: usize = 4000;
 
 /// Points in the box among which those are sought: a solid may fill little of it.
@@ -40,7 +40,8 @@ const MAX_REFUSALS: usize = 8;
 /// exceed the limit on vertices, and each attempt to keep it is slow.
 const MAX_REFUSED_PIECES: usize = 3;
 
-/// A hull is extended over so many points at a time: more would need more vertices than it may have.
+/// A hull is extended over so many points at a time: more would need more vertices than it may
+/// have.
 const MAX_INSERTED: usize = 16;
 
 /// Points this near to a hull count as covered. As a fraction of the diagonal.
@@ -126,21 +127,24 @@ impl Filling<'_, '_> {
                 let mut points = extend(&mut tester, &mut joint, &self.hollow);
                 points.push(point);
                 let chosen = farthest_first(self.shapes[index].clone(), points);
-                // Fewer of them may keep the limit on vertices.
-                let halves = std::iter::successors(Some(chosen.len()), |count| Some(count / 2));
-                let mut is_extended = false;
-                for count in halves.take_while(|&count| count > 0) {
-                    is_extended = self.extend_hull(index, &chosen[..count])?;
-                    if is_extended {
-                        break;
-                    }
-                }
-                if is_extended {
+                if self.extend_by_most(index, &chosen)? {
                     break;
                 }
             }
         }
         Ok(())
+    }
+
+    /// Extends a hull by points, or by the first half of them, and so on: fewer may keep the limit
+    /// on vertices. Whether it contains some now.
+    fn extend_by_most(&mut self, index: usize, points: &[Vector]) -> Result<bool, Error> {
+        let counts = std::iter::successors(Some(points.len()), |count| Some(count / 2));
+        for count in counts.take_while(|&count| count > 0) {
+            if self.extend_hull(index, &points[..count])? {
+                return Ok(true);
+            }
+        }
+        Ok(false)
     }
 
     /// Whether a hull contains points too, which it does where it keeps the bound.
