@@ -18,6 +18,7 @@ mod independent;
 mod independent_tests;
 mod paper;
 mod pictures;
+mod pieces;
 mod reach;
 mod report;
 mod shapes;

@@ -15,7 +15,7 @@ use hullwright::{
 };
 use hullwright_formats::{palette, read_mesh};
 
-use crate::burst;
+use crate::{burst, pieces};
 use crate::render::{Layout, Panel, Part, render_with};
 use crate::shapes::{cuboid, join};
 use crate::terminal::{Failure, print};
@@ -58,6 +58,12 @@ enum Picture {
         #[arg(default_value = "assets/gear.glb")]
         mesh: PathBuf,
     },
+    /// docs/bevy/hulls.md: a row for each mesh: it, its hulls, and its pieces with their cuts in red
+    Pieces {
+        output: PathBuf,
+        #[arg(required = true)]
+        meshes: Vec<PathBuf>,
+    },
     /// The README's animation: a mesh bursts into its hulls, closes again and falls as one body
     Burst {
         #[arg(default_value = "docs/pictures/burst.png")]
@@ -85,6 +91,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             opening_cases(&cases::hollows(), FROM_ABOVE, &folder.join("opening-cases-hollow.png"))
         }
         Picture::Probe { output, mesh } => probe(output, mesh),
+        Picture::Pieces { output, meshes } => pieces::draw(output, meshes),
         Picture::Burst { output, mesh } => burst::draw(output, mesh),
     }
 }

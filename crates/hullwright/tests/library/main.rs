@@ -1,6 +1,7 @@
 //! What the public functions promise.
 
 // The unused rest is for other tests.
+mod break_apart;
 #[allow(dead_code)]
 #[path = "../common/mod.rs"]
 mod common;
