@@ -56,12 +56,13 @@
 
 #![cfg_attr(docsrs, feature(doc_cfg))]
 
-// Six concepts, each but `engine` with a plugin of its own. Imports go down this table only; what a
+// Seven concepts, each but `engine` with a plugin of its own. Imports go down this table only; what a
 // concept owns is private to it, and others use verbs on it.
 //
 // | concept | owns, and alone writes | what |
 // |---|---|---|
 // | `debug` (feature) | gizmos, diagnostics | hulls drawn, and numbers among the diagnostics |
+// | `breaking` | `Fragment`, `CutFaces` | bodies that break into bodies |
 // | `scene` | `HierarchyStatus`, `HierarchyWork`, `ColliderPieceOf`, `TaggedByHierarchy`, `HiddenByHierarchy`, `DecompositionProgress` | whole scenes, tagged by names and extras, and how far all work is |
 // | `collider` | `Unfinished`, `Fallbacks`, `OwnCollider`, `OwnMass`, `AttachedCollider`, `AttachedFallback`, `FailedRequest`, `FarFromFocus`, `GivesSurface`, `Frozen` | from tags to requests, from results to colliders; what is out of date; colliders that follow a scale; bodies that wait |
 // | `jobs` | `Jobs` with the caches, `FrameTime`, the asset `BakedScene` | requests wait, become jobs, end in results |
@@ -71,6 +72,7 @@
 // `scene` writes tags as users do. In the counters `jobs` and `collider` write how much runs and
 // waits. `collider` writes `Frozen`, a type of `engine`, whose systems hold such bodies.
 
+mod breaking;
 mod collider;
 #[cfg(feature = "debug")]
 mod debug;
@@ -91,6 +93,8 @@ pub use hullwright_parry::subshape_at;
 #[cfg(feature = "rapier")]
 pub use hullwright_rapier;
 
+pub use breaking::{BreakApart, BreakApartExt, BrokenApart, CutFaces, Fragment};
+pub use collider::children::HullCollider;
 pub use collider::parts::ColliderParts;
 #[cfg(feature = "debug")]
 pub use debug::{HullGizmos, HullwrightDebug, HullwrightDebugPlugin};
@@ -118,23 +122,24 @@ pub use tag::settings::{
 };
 pub use tag::{
     ConvexDecomposition, DEFAULT_DENSITY, DecompositionFocus, DecompositionOpenings,
-    DecompositionPreset, DecompositionPriority, DecompositionShape, MaxError,
+    DecompositionPreset, DecompositionPriority, DecompositionShape, HullGrouping, MaxError,
     NoConvexDecomposition,
 };
 
 /// What most users need.
 pub mod prelude {
     pub use super::{
-        AbsentReason, BakedDecomposition, BakedScene, BudgetSettings, CacheSettings,
-        ColliderAbsent, ColliderParts, ColliderPieceOf, ColliderPieces, ColliderReady,
-        ConvexDecomposition, ConvexDecompositionHierarchy, DecompositionCancelled,
-        DecompositionCounters, DecompositionFailed, DecompositionFocus, DecompositionOpenings,
-        DecompositionPreset, DecompositionPriority, DecompositionProgress, DecompositionReady,
-        DecompositionShape, DecompositionSkipped, DecompositionStatus, Execution, FallbackCollider,
-        FromBakedScene, HierarchyFinished, HierarchyReport, HierarchyStatus, HullSource,
-        HullwrightPlugin, HullwrightSettings, HullwrightSystems, MadeOf, MaxError,
-        NoConvexDecomposition, PhysicsEngine, SkipReason, SkipSettings, VerifiedDistances,
-        WaitReason, all_decompositions_done, decompositions_pending,
+        AbsentReason, BakedDecomposition, BakedScene, BreakApart, BreakApartExt, BrokenApart,
+        BudgetSettings, CacheSettings, ColliderAbsent, ColliderParts, ColliderPieceOf,
+        ColliderPieces, ColliderReady, ConvexDecomposition, ConvexDecompositionHierarchy, CutFaces,
+        DecompositionCancelled, DecompositionCounters, DecompositionFailed, DecompositionFocus,
+        DecompositionOpenings, DecompositionPreset, DecompositionPriority, DecompositionProgress,
+        DecompositionReady, DecompositionShape, DecompositionSkipped, DecompositionStatus,
+        Execution, FallbackCollider, Fragment, FromBakedScene, HierarchyFinished, HierarchyReport,
+        HierarchyStatus, HullCollider, HullGrouping, HullSource, HullwrightPlugin,
+        HullwrightSettings, HullwrightSystems, MadeOf, MaxError, NoConvexDecomposition,
+        PhysicsEngine, SkipReason, SkipSettings, VerifiedDistances, WaitReason,
+        all_decompositions_done, decompositions_pending,
     };
     #[cfg(feature = "debug")]
     pub use super::{HullwrightDebug, HullwrightDebugPlugin};
@@ -229,7 +234,7 @@ impl Plugin for HullwrightPlugin {
 
 fn add_for_engine<E: Engine>(app: &mut App) {
     E::build(app);
-    app.add_plugins((collider::plugin::<E>, scene::plugin::<E>));
+    app.add_plugins((collider::plugin::<E>, breaking::plugin::<E>, scene::plugin::<E>));
 }
 
 /// The pages' programs run as tests.

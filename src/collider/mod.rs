@@ -2,6 +2,7 @@
 //! bodies wait. Errors become statuses, events, and one line of the log.
 
 pub(super) mod changes;
+pub(super) mod children;
 mod follow;
 mod moved;
 pub(super) mod parts;
@@ -23,6 +24,7 @@ use self::changes::{
     LoneScene, detect_assets, detect_moved_parts, detect_scales, detect_tags, drop_far,
     on_collider, on_untag, start_near,
 };
+use self::children::ColliderInChildren;
 use self::follow::follow_scales;
 use self::parts::ColliderParts;
 use self::placement::{Placements, Stretch, maps_differ};
@@ -285,16 +287,41 @@ impl<E: Engine> Targets<'_, '_, E> {
         if before.owns_mass() && mass.is_none() {
             E::remove_mass(&mut commands);
         }
-        let parts = ColliderParts::new(requested.parts.clone(), built.geometry.clone());
-        let record = (AttachedCollider { requested: requested.clone() }, parts);
-        attach_shape::<E>(&mut commands, (own, collider), mass, record);
         commands.try_remove::<AttachedFallback>();
+        if before.is_in_children() {
+            children::detach(&mut commands);
+        }
+        let parts = ColliderParts::new(requested.parts.clone(), built.geometry.clone());
+        let record = (AttachedCollider { requested: requested.clone() }, parts.clone());
+        let is_of_hulls = matches!(*built.geometry, ColliderGeometry::Hulls(..));
+        let grouping = requested.children.filter(|_| is_of_hulls);
+        let in_children = grouping.map(|grouping| (grouping, own.clone()));
+        match in_children {
+            Some(_) => {
+                E::remove_collider(&mut commands);
+                E::remove_mass(&mut commands);
+                commands.try_insert((own, record, ColliderInChildren));
+            }
+            None => attach_shape::<E>(&mut commands, (own, collider), mass, record),
+        }
         // A collider inherits the components of its surface that it does not have itself.
         if let Ok(own) = self.surfaces.get(entity) {
             let givers = self.placements.givers(entity).filter(|giver| *giver != entity);
             let givers: Vec<Item<E::Surface>> =
                 givers.filter_map(|giver| self.surfaces.get(giver).ok()).collect();
             E::inherit(&own, &givers, &mut commands);
+        }
+        if let Some((grouping, own)) = in_children {
+            let how = (grouping, requested.weight);
+            children::attach::<E>(
+                commands.commands_mut(),
+                entity,
+                &own,
+                &place,
+                &parts,
+                how,
+                cache,
+            )?;
         }
         Ok(maps_differ(&made_map, &place.map).then_some(place.stretch))
     }

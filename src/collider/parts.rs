@@ -45,17 +45,34 @@ use crate::jobs::cache::ColliderGeometry;
 pub struct ColliderParts {
     entities: Vec<Entity>,
     geometry: Arc<ColliderGeometry>,
+    /// Of a collider of some hulls these, by subshape.
+    hulls: Option<Vec<u32>>,
 }
 
 impl ColliderParts {
     pub(super) fn new(entities: Vec<Entity>, geometry: Arc<ColliderGeometry>) -> Self {
-        Self { entities, geometry }
+        Self { entities, geometry, hulls: None }
     }
 
     /// The same collider, of other entities with the same meshes.
-    pub(super) fn of_others(&self, entities: &[Entity]) -> Option<Self> {
+    pub(crate) fn of_others(&self, entities: &[Entity]) -> Option<Self> {
         let is_same = self.entities == entities;
-        (!is_same).then(|| Self::new(entities.to_vec(), self.geometry.clone()))
+        (!is_same).then(|| Self { entities: entities.to_vec(), ..self.clone() })
+    }
+
+    /// The same of some of the hulls.
+    pub(crate) fn of_hulls(&self, hulls: &[u32]) -> Self {
+        Self { hulls: Some(hulls.to_vec()), ..self.clone() }
+    }
+
+    pub(crate) fn geometry(&self) -> &ColliderGeometry {
+        &self.geometry
+    }
+
+    /// The place of a hull's largest part among the parts.
+    pub(crate) fn index_of_part(&self, hull: u32) -> Option<u32> {
+        let part = self.part(hull)?;
+        self.entities.iter().position(|entity| *entity == part).map(|index| index as u32)
     }
 
     /// All parts: entities with a `Mesh3d`.
@@ -73,6 +90,12 @@ impl ColliderParts {
     /// All parts that a hull or a triangle is made of, the largest first, with their shares of the
     /// area that it stands for. They add up to 1.
     pub fn shares(&self, subshape: u32) -> impl Iterator<Item = (Entity, f32)> + '_ {
+        // A single hull is no compound, whose subshape engines number as they like.
+        let subshape = match self.hulls.as_deref() {
+            None => subshape,
+            Some(&[only]) => only,
+            Some(hulls) => hulls.get(subshape as usize).copied().unwrap_or(NO_SUBSHAPE),
+        };
         let (whole, of_hull) = match (&self.entities[..], &*self.geometry) {
             (&[only], geometry) => ((subshape < subshapes(geometry)).then_some(only), None),
             (_, ColliderGeometry::Triangles(data)) => {
@@ -94,13 +117,16 @@ impl ColliderParts {
     }
 }
 
+/// No collider has so many.
+const NO_SUBSHAPE: u32 = u32::MAX;
+
 /// How many subshapes there are.
 fn subshapes(geometry: &ColliderGeometry) -> u32 {
     let count = match geometry {
         ColliderGeometry::Hulls(file, _) if file.hulls.len() > 1 => file.hulls.len(),
         ColliderGeometry::Triangles(data) => data.triangles.len(),
         // A shape that is no compound, whose subshape engines number as they like.
-        ColliderGeometry::Hulls(..) | ColliderGeometry::Primitive(..) => return u32::MAX,
+        ColliderGeometry::Hulls(..) | ColliderGeometry::Primitive(..) => return NO_SUBSHAPE,
     };
-    u32::try_from(count).unwrap_or(u32::MAX)
+    u32::try_from(count).unwrap_or(NO_SUBSHAPE)
 }

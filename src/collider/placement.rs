@@ -102,7 +102,7 @@ pub(crate) struct GivesSurface;
 
 /// What placements are computed from, and whether colliders ever move.
 #[derive(SystemParam)]
-pub(super) struct Placements<'w, 's, E: Engine> {
+pub(crate) struct Placements<'w, 's, E: Engine> {
     global: TransformHelper<'w, 's>,
     transforms: Query<'w, 's, &'static Transform>,
     parents: Query<'w, 's, &'static ChildOf>,
@@ -114,7 +114,7 @@ pub(super) struct Placements<'w, 's, E: Engine> {
 
 impl<E: Engine> Placements<'_, '_, E> {
     /// The body that moves an entity: its own or the nearest above it.
-    pub(super) fn body(&self, entity: Entity) -> Option<(Entity, Motion)> {
+    pub(crate) fn body(&self, entity: Entity) -> Option<(Entity, Motion)> {
         let body = |entity| Some((entity, E::motion(self.bodies.get(entity).ok()?)));
         body(entity).or_else(|| self.parents.iter_ancestors(entity).find_map(body))
     }
@@ -170,7 +170,7 @@ impl<E: Engine> Placements<'_, '_, E> {
     }
 
     /// From an entity's space to that of one above it.
-    pub(super) fn relative(&self, entity: Entity, above: Entity) -> Affine3A {
+    pub(crate) fn relative(&self, entity: Entity, above: Entity) -> Affine3A {
         let put = |map, transform: &Transform| transform.compute_affine() * map;
         self.transforms_below(above, entity).fold(Affine3A::IDENTITY, put)
     }
@@ -224,7 +224,7 @@ impl<E: Engine> Placements<'_, '_, E> {
         Stretch::of(transform, signs)
     }
 
-    fn global_transform(&self, entity: Entity) -> GlobalTransform {
+    pub(crate) fn global_transform(&self, entity: Entity) -> GlobalTransform {
         self.global.compute_global_transform(entity).unwrap_or_default()
     }
 

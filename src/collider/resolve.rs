@@ -317,7 +317,9 @@ impl<E: Engine> Scene<'_, '_, E> {
         let mut meshes = Vec::new();
         self.collect(entity, entity, &mut meshes);
         let parts = meshes.into_iter().map(|(entity, _)| entity).collect();
-        let requested = Requested { request: Arc::new(request), stretch, weight, parts };
+        let children = baked.children;
+        let request = Arc::new(request);
+        let requested = Requested { request, stretch, weight, children, parts };
         Resolution::Requested(requested, presence)
     }
 
@@ -402,7 +404,8 @@ impl<E: Engine> Scene<'_, '_, E> {
         });
         let request = ColliderRequest { input, parts, goal: Some(goal), map_before, map };
         let weight = Weight { density: tag.density, mass: tag.mass };
-        let requested = Requested { request: Arc::new(request), stretch, weight, parts: entities };
+        let (request, children) = (Arc::new(request), tag.children);
+        let requested = Requested { request, stretch, weight, children, parts: entities };
         Resolution::Requested(requested, presence)
     }
 

@@ -15,6 +15,7 @@ use hullwright::MassProperties;
 use hullwright_parry::ColliderError;
 use hullwright_parry::parry3d::shape::SharedShape;
 
+use super::children::{self, ColliderInChildren};
 use super::moved::moved;
 use super::parts::ColliderParts;
 use super::placement::{Placement, Stretch, maps_differ};
@@ -25,7 +26,7 @@ use crate::jobs::request::ColliderRequest;
 use crate::jobs::task::map_mass;
 use crate::tag::outcomes::DecompositionError;
 use crate::tag::parameters::Goal;
-use crate::tag::{ConvexDecomposition, NoConvexDecomposition};
+use crate::tag::{ConvexDecomposition, HullGrouping, NoConvexDecomposition};
 
 /// What has any of these is left out of the input above it, with all below it.
 pub(super) type InputBoundary<E> = Or<(
@@ -42,6 +43,8 @@ pub(crate) struct Requested {
     pub request: Arc<ColliderRequest>,
     pub stretch: Stretch,
     pub weight: Weight,
+    /// Which hulls have a child of their own, if any.
+    pub children: Option<HullGrouping>,
     /// The entities whose meshes it is made of, in the order of the request's parts.
     pub parts: Vec<Entity>,
 }
@@ -183,6 +186,7 @@ pub(crate) struct MadeBefore<E: Engine> {
     pub(super) failed: Option<&'static FailedRequest>,
     pub(super) parts: Option<&'static ColliderParts>,
     own: Option<&'static OwnCollider>,
+    in_children: Has<ColliderInChildren>,
     in_engine: E::Made,
 }
 
@@ -194,7 +198,7 @@ impl<E: Engine> MadeBeforeItem<'_, '_, E> {
     }
 
     pub(super) fn has_collider(&self) -> bool {
-        E::present(&self.in_engine).is_some()
+        self.in_children || E::present(&self.in_engine).is_some()
     }
 
     /// Whether its collider is the game's. One that was left to the engine has its scale.
@@ -205,6 +209,10 @@ impl<E: Engine> MadeBeforeItem<'_, '_, E> {
         E::present(&self.in_engine).is_some_and(|present| !is_own(present))
     }
 
+    pub(super) fn is_in_children(&self) -> bool {
+        self.in_children
+    }
+
     pub(super) fn owns_mass(&self) -> bool {
         E::owns_mass(&self.in_engine)
     }
@@ -213,7 +221,10 @@ impl<E: Engine> MadeBeforeItem<'_, '_, E> {
     fn answers(&self, wanted: &Requested, presence: &Presence) -> bool {
         use DecompositionError::{MirroredBody, NotLoaded};
         let Some(last) = self.requested() else { return false };
-        if last.needs_other_work(wanted) || last.has_other_weight(wanted) {
+        if last.needs_other_work(wanted)
+            || last.has_other_weight(wanted)
+            || last.children != wanted.children
+        {
             return false;
         }
         if let Some(failed) = self.failed {
@@ -239,6 +250,9 @@ impl<E: Engine> MadeBeforeItem<'_, '_, E> {
         }
         if !self.has_games_collider() {
             E::remove_collider(entity);
+        }
+        if self.in_children {
+            children::detach(entity);
         }
         entity.try_remove::<(OwnCollider, AttachedCollider, AttachedFallback, ColliderParts)>();
         if self.owns_mass() {

@@ -5,6 +5,12 @@
 /// scene.
 macro_rules! surface {
     ($($field:ident: $component:ty,)*) => {
+        fn copy_surface(entity: &mut EntityCommands, to: Entity) {
+            entity.clone_with_opt_in(to, |builder| {
+                $(builder.allow::<$component>();)*
+            });
+        }
+
         #[derive(bevy::ecs::query::QueryData)]
         pub(crate) struct Surface {
             $($field: Option<&'static $component>,)*
@@ -73,6 +79,23 @@ pub(crate) struct Frozen {
 pub(crate) struct Weight {
     pub density: f32,
     pub mass: Option<f32>,
+}
+
+/// How a body moves at one moment.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Velocity {
+    pub linear: Vec3,
+    pub angular: Vec3,
+    /// The point that has the linear one, its centre of mass, in the world.
+    pub centre: Vec3,
+}
+
+impl Velocity {
+    /// The same motion, of a body with another centre of mass.
+    pub(crate) fn at(self, centre: Vec3) -> Self {
+        let linear = self.linear + self.angular.cross(centre - self.centre);
+        Self { linear, centre, ..self }
+    }
 }
 
 /// The item of a query.
@@ -166,6 +189,17 @@ pub(crate) trait Engine: Send + Sync + Sized + 'static {
         from: &[Item<'_, '_, Self::Surface>],
         to: &mut EntityCommands,
     );
+
+    /// Copies what a collider has of its surface to another entity.
+    fn copy_surface(entity: &mut EntityCommands, to: Entity);
+
+    /// Copies to another entity what a body has of its own, apart from where and how it moves.
+    fn copy_dynamics(body: &mut EntityCommands, to: Entity);
+
+    /// How a body moves; without any velocity for what is none.
+    fn velocity(world: &World, body: Entity) -> Velocity;
+
+    fn set_velocity(entity: &mut EntityCommands, velocity: Velocity);
 
     /// Wakes a body that may sleep.
     fn wake(commands: &mut Commands, body: Entity);

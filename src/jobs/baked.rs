@@ -17,7 +17,7 @@ use super::request::{ContentKey, MeshData};
 use crate::tag::outcomes::{DecompositionError, DecompositionStatus};
 use crate::tag::parameters::Goal;
 use crate::tag::template::template_like_default;
-use crate::tag::{DEFAULT_DENSITY, setters};
+use crate::tag::{DEFAULT_DENSITY, HullGrouping, setters};
 
 /// Gives the entity a collider of baked hulls, without a look at any mesh. They are in the mesh's
 /// own space, so it belongs where the mesh is, on the entity that has the `Mesh3d` or on the glTF
@@ -50,6 +50,8 @@ pub struct BakedDecomposition {
     /// The mass of the whole collider in the world, whatever its scale, instead of the density;
     /// positive. Default `None`.
     pub mass: Option<f32>,
+    /// As [`ConvexDecomposition::children`](crate::ConvexDecomposition::children).
+    pub children: Option<HullGrouping>,
 }
 
 template_like_default! {
@@ -58,6 +60,7 @@ template_like_default! {
         mesh: Option<String>,
         density: f32,
         mass: Option<f32>,
+        children: Option<HullGrouping>,
     }
 }
 
@@ -70,7 +73,7 @@ impl Default for BakedDecomposition {
 impl BakedDecomposition {
     /// Of the only mesh in a file, with a density of 1.
     pub fn new(scene: Handle<BakedScene>) -> Self {
-        Self { scene, mesh: None, density: DEFAULT_DENSITY, mass: None }
+        Self { scene, mesh: None, density: DEFAULT_DENSITY, mass: None, children: None }
     }
 }
 
@@ -79,6 +82,8 @@ setters! { BakedDecomposition:
     with_mesh(mesh: impl Into<String>) = Some(mesh.into());
     /// The same with another density.
     with_density(density: f32) = density;
+    /// The same with a child for each hull, or for each group of hulls.
+    as_children(children: HullGrouping) = Some(children);
     /// The same with a mass of the whole, or with `None` again a density.
     with_mass(mass: impl Into<Option<f32>>) = mass.into();
 }

@@ -218,7 +218,7 @@ impl MeshData {
         self.part_ends.partition_point(|end| *end <= triangle)
     }
 
-    pub(super) fn view(&self) -> MeshView<'_> {
+    pub(crate) fn view(&self) -> MeshView<'_> {
         MeshView::new(&self.positions, &self.triangles)
     }
 

@@ -70,6 +70,10 @@ pub struct ConvexDecomposition {
     /// The mass of the whole collider in the world, whatever its scale, instead of the density;
     /// positive. Default `None`.
     pub mass: Option<f32>,
+    /// Which hulls have a collider of their own, on a child with a
+    /// [`HullCollider`](crate::HullCollider), instead of all together one on the entity. What is
+    /// made of triangles or is a box, ball or capsule has no children. Default `None`.
+    pub children: Option<HullGrouping>,
     /// The collider until the entity's own is ready; `None` for what
     /// [`HullwrightSettings`](crate::HullwrightSettings) says.
     pub fallback_collider: Option<FallbackCollider>,
@@ -135,6 +139,20 @@ pub enum DecompositionShape {
     Capsule,
 }
 
+/// Which hulls are taken together.
+#[derive(Reflect, Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+#[reflect(Default, Clone, PartialEq)]
+#[type_path = "hullwright"]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum HullGrouping {
+    /// Each is alone.
+    #[default]
+    EachHull,
+    /// Those that are made of one part, an entity with a `Mesh3d`: as a rule, of one material. Of
+    /// several parts the one with the largest share counts.
+    EachPart,
+}
+
 /// The default of bevy_rapier and of Avian, so that a body with a decomposed collider beside one of
 /// the engine's own shapes weighs as expected.
 pub const DEFAULT_DENSITY: f32 = 1.0;
@@ -155,6 +173,7 @@ impl Default for ConvexDecomposition {
             shape: DecompositionShape::Auto,
             density: DEFAULT_DENSITY,
             mass: None,
+            children: None,
             fallback_collider: None,
             parameters: None,
         }
@@ -199,6 +218,9 @@ setters! { ConvexDecomposition:
     with_mass(mass: impl Into<Option<f32>>) = mass.into();
     /// The same with a density.
     with_density(density: f32) = density;
+    /// The same with a child for each hull, or for each group of hulls, that has its collider: for
+    /// friction, sensors or events of their own. The body's mass, centre and inertia stay.
+    as_children(children: HullGrouping) = Some(children);
     /// The same with another collider until its own is ready.
     with_fallback_collider(fallback_collider: FallbackCollider) = Some(fallback_collider);
     /// The same with the library's own parameters, or another of its methods with its parameters,
@@ -278,6 +300,7 @@ mod tests {
             .with_probe_radius(0.1)
             .with_shape(DecompositionShape::Capsule)
             .with_mass(2.0)
+            .as_children(HullGrouping::EachPart)
             .with_fallback_collider(FallbackCollider::ConvexHull);
         let by_the_paper =
             tag.clone().with_parameters(hullwright::surface::SurfaceParameters::paper());

@@ -8,6 +8,7 @@ mod baked;
 #[cfg(feature = "bevy_gltf")]
 mod baked_scenes;
 mod changes;
+mod children;
 mod contacts;
 #[cfg(feature = "debug")]
 mod debug;
@@ -16,6 +17,7 @@ mod endings;
 #[path = "engine_avian.rs"]
 mod engine;
 mod failures;
+mod fragments;
 mod freeze;
 #[cfg(feature = "bevy_gltf")]
 mod gltf;

@@ -65,6 +65,12 @@ pub fn linear_velocity(app: &App, body: Entity) -> Vec3 {
     app.get::<LinearVelocity>(body).unwrap().0
 }
 
+/// Linear and angular.
+pub fn velocities(app: &App, body: Entity) -> (Vec3, Vec3) {
+    let linear = app.get::<LinearVelocity>(body).unwrap().0;
+    (linear, app.get::<AngularVelocity>(body).unwrap().0)
+}
+
 pub fn set_linear_velocity(body: &mut EntityWorldMut, linear: Vec3) {
     body.insert(LinearVelocity(linear));
 }

@@ -62,6 +62,12 @@ pub fn linear_velocity(app: &App, body: Entity) -> Vec3 {
     app.get::<Velocity>(body).unwrap().linear
 }
 
+/// Linear and angular.
+pub fn velocities(app: &App, body: Entity) -> (Vec3, Vec3) {
+    let Velocity { linear, angular } = app.get::<Velocity>(body).unwrap();
+    (*linear, *angular)
+}
+
 pub fn set_linear_velocity(body: &mut EntityWorldMut, linear: Vec3) {
     match body.get_mut::<Velocity>() {
         Some(mut velocity) => velocity.linear = linear,

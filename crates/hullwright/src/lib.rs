@@ -44,7 +44,7 @@
 //! | a decomposition, or hulls of any tool | fewer hulls | [`MergeTree`] |
 //! | a mesh and hulls of any tool | their errors | [`measure::measure`]; point by point [`measure::MeasuredMesh`] |
 //! | a mesh of several materials or primitives, and its hulls | what each hull is made of | [`part_shares()`] |
-//! | a mesh and its hulls | pieces of it to draw and to move, one for each hull | [`break_apart()`] |
+//! | a mesh and its hulls | fragments to draw and to move, one for each hull | [`break_apart()`] |
 //! | a mesh | mass, centre and inertia; a report on its defects | [`mass_properties()`]; [`inspect`] |
 //! | hulls | a file that games load | [`hulls_format`]; `hullwright_formats::bake` for a scene |
 //! | a mesh, Rapier or Bevy | a collider with the mesh's mass | the crates `hullwright_rapier`, `bevy_hullwright` |
@@ -132,7 +132,7 @@ mod summary;
 pub mod surface;
 mod work;
 
-pub use break_apart::{Piece, PieceVertex, break_apart};
+pub use break_apart::{Fragment, FragmentVertex, break_apart};
 pub use control::{Control, Progress, Stage};
 pub use decompose::decompose;
 pub use decomposer::Decomposer;

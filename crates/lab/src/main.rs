@@ -11,6 +11,7 @@ mod floor;
 mod gallery;
 mod harness;
 // The unused rest is for tests.
+mod fragments;
 #[allow(dead_code)]
 #[path = "../../hullwright/tests/independent/mod.rs"]
 mod independent;
@@ -18,7 +19,6 @@ mod independent;
 mod independent_tests;
 mod paper;
 mod pictures;
-mod pieces;
 mod reach;
 mod report;
 mod shapes;

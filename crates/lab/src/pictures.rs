@@ -15,10 +15,10 @@ use hullwright::{
 };
 use hullwright_formats::{palette, read_mesh};
 
-use crate::{burst, pieces};
 use crate::render::{Layout, Panel, Part, render_with};
 use crate::shapes::{cuboid, join};
 use crate::terminal::{Failure, print};
+use crate::{burst, fragments};
 
 /// Draw the pictures of the documents
 #[derive(clap::Args)]
@@ -58,8 +58,8 @@ enum Picture {
         #[arg(default_value = "assets/gear.glb")]
         mesh: PathBuf,
     },
-    /// docs/bevy/hulls.md: a row for each mesh: it, its hulls, and its pieces with their cuts in red
-    Pieces {
+    /// docs/bevy/hulls.md: a row for each mesh: it, its hulls, and its fragments with their cuts in red
+    Fragments {
         output: PathBuf,
         #[arg(required = true)]
         meshes: Vec<PathBuf>,
@@ -91,7 +91,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             opening_cases(&cases::hollows(), FROM_ABOVE, &folder.join("opening-cases-hollow.png"))
         }
         Picture::Probe { output, mesh } => probe(output, mesh),
-        Picture::Pieces { output, meshes } => pieces::draw(output, meshes),
+        Picture::Fragments { output, meshes } => fragments::draw(output, meshes),
         Picture::Burst { output, mesh } => burst::draw(output, mesh),
     }
 }

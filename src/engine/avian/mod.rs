@@ -14,7 +14,7 @@ use hullwright_parry::parry3d::mass_properties::MassProperties;
 use hullwright_parry::parry3d::math::Pose;
 use hullwright_parry::parry3d::shape::{SharedShape, TypedShape};
 
-use super::{Engine, Item, Motion, Weight, run_before};
+use super::{Engine, Item, Motion, Velocity, Weight, run_before};
 
 /// avian3d 0.8.
 pub(crate) struct Avian;
@@ -213,6 +213,32 @@ impl Engine for Avian {
         {
             to.try_insert(*layers);
         }
+    }
+
+    fn copy_surface(entity: &mut EntityCommands, to: Entity) {
+        copy_surface(entity, to);
+    }
+
+    fn copy_dynamics(body: &mut EntityCommands, to: Entity) {
+        body.clone_with_opt_in(to, |builder| {
+            builder.allow::<(AngularDamping, Dominance, GravityScale, LinearDamping)>();
+            builder.allow::<(MaxAngularSpeed, MaxLinearSpeed, SweptCcd)>();
+        });
+    }
+
+    fn velocity(world: &World, body: Entity) -> Velocity {
+        let of = |entity: EntityRef| {
+            let centre = entity.get::<ComputedCenterOfMass>()?.0;
+            let (position, rotation) = (entity.get::<Position>()?, entity.get::<Rotation>()?);
+            let linear = entity.get::<LinearVelocity>()?.0;
+            let angular = entity.get::<AngularVelocity>()?.0;
+            Some(Velocity { linear, angular, centre: position.0 + rotation.0 * centre })
+        };
+        world.get_entity(body).ok().and_then(of).unwrap_or_default()
+    }
+
+    fn set_velocity(entity: &mut EntityCommands, Velocity { linear, angular, .. }: Velocity) {
+        entity.try_insert((LinearVelocity(linear), AngularVelocity(angular)));
     }
 
     fn wake(commands: &mut Commands, body: Entity) {

@@ -9,17 +9,17 @@ use bevy::prelude::*;
 use bevy_rapier3d::plugin::PhysicsSet;
 use bevy_rapier3d::plugin::context::RapierContextSimulation;
 use bevy_rapier3d::prelude::{
-    self as dynamics, ActiveCollisionTypes, ActiveEvents, ActiveHooks, Collider,
+    self as dynamics, ActiveCollisionTypes, ActiveEvents, ActiveHooks, Ccd, Collider,
     ColliderMassProperties, ColliderScale, CollisionEvent, CollisionGroups,
-    ContactForceEventThreshold, ContactSkin, Friction, RapierColliderHandle,
-    RapierContextColliders, RapierContextEntityLink, RapierRigidBodyHandle, RapierRigidBodySet,
-    Restitution, RigidBody, Sensor, Sleeping, SolverGroups,
+    ContactForceEventThreshold, ContactSkin, Damping, Dominance, Friction, GravityScale,
+    RapierColliderHandle, RapierContextColliders, RapierContextEntityLink, RapierRigidBodyHandle,
+    RapierRigidBodySet, Restitution, RigidBody, Sensor, Sleeping, SoftCcd, SolverGroups,
 };
 use hullwright_parry::parry3d::mass_properties::MassProperties;
 use hullwright_parry::parry3d::shape::SharedShape;
 use hullwright_rapier::ContactDispatcher;
 
-use super::{Engine, Item, Motion, Weight, run_before};
+use super::{Engine, Item, Motion, Velocity, Weight, run_before};
 use crate::tag::settings::{HullwrightSettings, HullwrightSystems};
 
 /// bevy_rapier3d 0.37.
@@ -192,6 +192,31 @@ impl Engine for Rapier {
         to: &mut EntityCommands,
     ) {
         inherit(own, from, to);
+    }
+
+    fn copy_surface(entity: &mut EntityCommands, to: Entity) {
+        copy_surface(entity, to);
+    }
+
+    fn copy_dynamics(body: &mut EntityCommands, to: Entity) {
+        body.clone_with_opt_in(to, |builder| {
+            builder.allow::<(Ccd, Damping, Dominance, GravityScale, SoftCcd)>();
+        });
+    }
+
+    fn velocity(world: &World, body: Entity) -> Velocity {
+        let in_rapier = |entity: EntityRef| {
+            let handle = entity.get::<RapierRigidBodyHandle>()?.0;
+            let context = entity.get::<RapierContextEntityLink>()?.0;
+            let body = world.get::<RapierRigidBodySet>(context)?.bodies.get(handle)?;
+            let centre = body.center_of_mass();
+            Some(Velocity { linear: body.linvel(), angular: body.angvel(), centre })
+        };
+        world.get_entity(body).ok().and_then(in_rapier).unwrap_or_default()
+    }
+
+    fn set_velocity(entity: &mut EntityCommands, Velocity { linear, angular, .. }: Velocity) {
+        entity.try_insert(dynamics::Velocity { linear, angular });
     }
 
     fn wake(commands: &mut Commands, body: Entity) {

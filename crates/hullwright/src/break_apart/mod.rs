@@ -1,4 +1,4 @@
-//! A mesh broken into pieces, one for each hull: to be drawn, and to be moved.
+//! A mesh broken into fragments, one for each hull: to be drawn, and to be moved.
 //!
 //! | file | contents |
 //! |---|---|
@@ -27,13 +27,13 @@ use crate::mesh::weld::weld;
 /// A part of a mesh that was broken apart.
 #[non_exhaustive]
 #[derive(Debug, Clone, PartialEq)]
-pub struct Piece {
+pub struct Fragment {
     /// The number that its hulls have.
     pub group: u32,
     /// The indices of its hulls.
     pub hulls: Vec<u32>,
     /// Vertices of its part of the mesh's surface.
-    pub vertices: Vec<PieceVertex>,
+    pub vertices: Vec<FragmentVertex>,
     /// Triangles of its part of the mesh's surface.
     pub triangles: Vec<[u32; 3]>,
     /// For each of these the triangle of the mesh that it is a part of.
@@ -42,16 +42,16 @@ pub struct Piece {
     /// any light.
     pub cut_faces: TriangleMesh,
     /// Hulls of its points, to collide with: convex cells keep them apart from those of all other
-    /// pieces.
+    /// fragments.
     pub colliders: Vec<ConvexHull>,
     /// What it encloses, in cubed units, where it is closed; of its colliders where it is open.
     pub volume: f64,
 }
 
-/// A vertex of a piece: a place on a triangle of the mesh, so that normals, texture coordinates and
+/// A vertex of a fragment: a place on a triangle of the mesh, so that normals, texture coordinates and
 /// whatever else the mesh has at its vertices can be worked out there.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct PieceVertex {
+pub struct FragmentVertex {
     /// Where it is.
     pub position: [f64; 3],
     /// Three vertices of the mesh. At a vertex of the mesh all three are this one.
@@ -64,21 +64,21 @@ pub struct PieceVertex {
 /// precision can't tell them from it.
 const IN_PLANE: f64 = 1e-7;
 
-/// Physics engines take time with the number of vertices of a hull, and pieces are many.
+/// Physics engines take time with the number of vertices of a hull, and fragments are many.
 const MOST_COLLIDER_VERTICES: usize = 64;
 
 /// Colliders have this size of what is in their cells. Physics engines see hulls that touch as
 /// overlapping by up to several percent, in whatever direction, and push them apart.
 const SIZE: f64 = 0.995;
 
-/// Breaks a mesh into pieces, one for each hull, or for each group of hulls with the same number.
+/// Breaks a mesh into fragments, one for each hull, or for each group of hulls with the same number.
 ///
 /// Planes divide the hulls until each is alone; each lies in the middle of where two hulls overlap,
 /// and of all such planes the one comes first that reaches least deep into hulls. So space is
 /// shared out where hulls overlap, and the same planes come of hulls that differ a little. The mesh
 /// is cut by them. Cuts are closed, for each closed part of the mesh on its own; where the mesh is
-/// open, so are its pieces. Triangles of all pieces together have the area of the mesh, and closed
-/// pieces its volume.
+/// open, so are its fragments. Triangles of all fragments together have the area of the mesh, and closed
+/// fragments its volume.
 ///
 /// ```
 /// use hullwright::{Control, Parameters, TriangleMesh, break_apart, decompose};
@@ -95,15 +95,15 @@ const SIZE: f64 = 0.995;
 /// let l_shape = TriangleMesh::new(positions, triangles); // of volume 3
 /// let hulls = decompose(&l_shape, &Parameters::default(), &Control::new())?.hulls;
 /// let each_alone = [0, 1];
-/// let pieces = break_apart(&l_shape, &hulls, &each_alone, &Control::new())?;
-/// assert_eq!(pieces.len(), 2);
-/// let volume: f64 = pieces.iter().map(|piece| piece.volume).sum();
+/// let fragments = break_apart(&l_shape, &hulls, &each_alone, &Control::new())?;
+/// assert_eq!(fragments.len(), 2);
+/// let volume: f64 = fragments.iter().map(|fragment| fragment.volume).sum();
 /// assert!((volume - 3.0).abs() < 1e-9);
 /// # Ok(())
 /// # }
 /// ```
 ///
-/// A piece of which there is nothing to draw is left out. Pieces are in the order of their groups.
+/// A fragment of which there is nothing to draw is left out. Fragments are in the order of their groups.
 /// O(t log h + h²) for t triangles and h hulls, as long as planes halve both.
 ///
 /// # Errors
@@ -115,7 +115,7 @@ pub fn break_apart<'a>(
     hulls: &[Hull],
     groups: &[u32],
     control: &Control,
-) -> Result<Vec<Piece>, Error> {
+) -> Result<Vec<Fragment>, Error> {
     let mesh = mesh.into();
     if groups.len() != hulls.len() {
         let (given, count) = (groups.len(), hulls.len());
@@ -156,19 +156,19 @@ pub fn break_apart<'a>(
             }
         }
     }
-    let piece = |(group, part): (u32, Part)| cutter.piece(mesh, group, part, is_closed);
-    Ok(parts.into_iter().map(piece).collect())
+    let fragment = |(group, part): (u32, Part)| cutter.fragment(mesh, group, part, is_closed);
+    Ok(parts.into_iter().map(fragment).collect())
 }
 
 /// Convex, with the hulls that share it and what is in it of the mesh.
 struct Cell {
     hulls: Vec<usize>,
     faces: Vec<Face>,
-    /// Whether a piece has its faces, since all its hulls belong together.
+    /// Whether a fragment has its faces, since all its hulls belong together.
     is_drawn: bool,
 }
 
-/// What a piece is made of.
+/// What a fragment is made of.
 #[derive(Default)]
 struct Part {
     hulls: Vec<u32>,
@@ -255,10 +255,10 @@ impl Cutter {
         Ok(Some(hull))
     }
 
-    fn piece(&self, mesh: MeshView<'_>, group: u32, part: Part, is_closed: bool) -> Piece {
+    fn fragment(&self, mesh: MeshView<'_>, group: u32, part: Part, is_closed: bool) -> Fragment {
         let Part { mut hulls, faces, colliders } = part;
         hulls.sort_unstable();
-        let mut piece = Piece {
+        let mut fragment = Fragment {
             group,
             hulls,
             vertices: Vec::new(),
@@ -282,35 +282,35 @@ impl Cutter {
                             _ => (corner, Some(triangle)),
                         };
                         *of_surface.entry(key).or_insert_with(|| {
-                            piece.vertices.push(vertex);
-                            piece.vertices.len() as u32 - 1
+                            fragment.vertices.push(vertex);
+                            fragment.vertices.len() as u32 - 1
                         })
                     });
-                    piece.triangles.push(corners);
-                    piece.source_triangles.push(triangle);
+                    fragment.triangles.push(corners);
+                    fragment.source_triangles.push(triangle);
                 }
                 Origin::Cut(cut) => {
-                    let positions = &mut piece.cut_faces.positions;
+                    let positions = &mut fragment.cut_faces.positions;
                     let corners = corners.map(|corner| {
                         *of_cuts.entry((corner, cut)).or_insert_with(|| {
                             positions.push(self.points[corner as usize].to_array());
                             positions.len() as u32 - 1
                         })
                     });
-                    piece.cut_faces.triangles.push(corners);
+                    fragment.cut_faces.triangles.push(corners);
                 }
             }
         }
-        piece.volume = match is_closed {
+        fragment.volume = match is_closed {
             true => {
                 let sign = if self.is_inside_out { -1.0 } else { 1.0 };
                 let origin = faces.first().map_or(Vector::ZERO, |of| self.corners(of)[0]);
                 let faces = faces.iter().map(|face| self.corners(face).map(|at| at - origin));
                 sign * six_volumes(faces) / 6.0
             }
-            false => piece.colliders.iter().map(ConvexHull::volume).sum(),
+            false => fragment.colliders.iter().map(ConvexHull::volume).sum(),
         };
-        piece
+        fragment
     }
 
     fn corners(&self, face: &Face) -> [Vector; 3] {
@@ -318,7 +318,7 @@ impl Cutter {
     }
 
     /// A corner of a part of a triangle.
-    fn vertex(&self, mesh: MeshView<'_>, triangle: u32, corner: u32) -> PieceVertex {
+    fn vertex(&self, mesh: MeshView<'_>, triangle: u32, corner: u32) -> FragmentVertex {
         let point = self.points[corner as usize];
         let source = mesh.triangles()[triangle as usize];
         let ends = source.map(|vertex| self.points[vertex as usize]);
@@ -328,7 +328,7 @@ impl Cutter {
             Some(k) => ([source[k]; 3], [1.0, 0.0, 0.0]),
             None => (source, weights(ends, point).map(|weight| weight as f32)),
         };
-        PieceVertex { position: point.to_array(), corners, weights }
+        FragmentVertex { position: point.to_array(), corners, weights }
     }
 }
 

@@ -1,10 +1,11 @@
-//! Pieces of a broken mesh: nothing is lost, nothing cracks, and nothing overlaps.
+//! Fragments of a broken mesh: nothing is lost, nothing cracks, and nothing overlaps.
 
 use std::collections::BTreeMap;
 
 use glam::DVec3;
 use hullwright::{
-    Control, ConvexHull, Hull, Parameters, Piece, TriangleMesh, break_apart, convex_hull, decompose,
+    Control, ConvexHull, Fragment, Hull, Parameters, TriangleMesh, break_apart, convex_hull,
+    decompose,
 };
 
 use crate::common::{self, bundled_models};
@@ -14,7 +15,7 @@ fn cuboid(low: [f64; 3], high: [f64; 3]) -> TriangleMesh {
     TriangleMesh::new(positions, triangles)
 }
 
-fn pieces(mesh: &TriangleMesh, hulls: &[Hull]) -> Vec<Piece> {
+fn fragments(mesh: &TriangleMesh, hulls: &[Hull]) -> Vec<Fragment> {
     let each_alone: Vec<u32> = (0..hulls.len() as u32).collect();
     break_apart(mesh, hulls, &each_alone, &Control::new()).unwrap()
 }
@@ -36,13 +37,13 @@ fn volume(mesh: &TriangleMesh) -> f64 {
 }
 
 /// Surface and cuts as one mesh.
-fn whole(piece: &Piece) -> TriangleMesh {
+fn whole(fragment: &Fragment) -> TriangleMesh {
     let mut positions: Vec<[f64; 3]> =
-        piece.vertices.iter().map(|vertex| vertex.position).collect();
+        fragment.vertices.iter().map(|vertex| vertex.position).collect();
     let first = positions.len() as u32;
-    positions.extend(&piece.cut_faces.positions);
-    let cuts = piece.cut_faces.triangles.iter().map(|triangle| triangle.map(|at| at + first));
-    TriangleMesh::new(positions, piece.triangles.iter().copied().chain(cuts).collect())
+    positions.extend(&fragment.cut_faces.positions);
+    let cuts = fragment.cut_faces.triangles.iter().map(|triangle| triangle.map(|at| at + first));
+    TriangleMesh::new(positions, fragment.triangles.iter().copied().chain(cuts).collect())
 }
 
 /// Edges that have more triangles on one side than on the other. Vertices at one place, bit by bit
@@ -65,26 +66,27 @@ fn pieces_of_the_bundled_models_have_their_area_and_their_volume_and_are_closed(
     for (name, mesh) in bundled_models() {
         let mesh = TriangleMesh::new(mesh.positions, mesh.triangles);
         let hulls = decompose(&mesh, &Parameters::default(), &Control::new()).unwrap().hulls;
-        let pieces = pieces(&mesh, &hulls);
-        assert!(pieces.len() <= hulls.len() && pieces.len() > 1, "{name}");
-        let outer: f64 = pieces
+        let fragments = fragments(&mesh, &hulls);
+        assert!(fragments.len() <= hulls.len() && fragments.len() > 1, "{name}");
+        let outer: f64 = fragments
             .iter()
-            .map(|piece| {
-                let positions: Vec<[f64; 3]> = piece.vertices.iter().map(|v| v.position).collect();
-                area(&positions, &piece.triangles)
+            .map(|fragment| {
+                let positions: Vec<[f64; 3]> =
+                    fragment.vertices.iter().map(|v| v.position).collect();
+                area(&positions, &fragment.triangles)
             })
             .sum();
         let expected = area(&mesh.positions, &mesh.triangles);
         assert!((outer / expected - 1.0).abs() < 1e-5, "{name}: area {outer} of {expected}");
-        let open: usize = pieces.iter().map(|piece| open_edges(&whole(piece))).sum();
+        let open: usize = fragments.iter().map(|fragment| open_edges(&whole(fragment))).sum();
         let of_source = open_edges(&mesh);
         if of_source == 0 {
             closed += 1;
             assert_eq!(open, 0, "{name}");
-            let sum: f64 = pieces.iter().map(|piece| piece.volume).sum();
+            let sum: f64 = fragments.iter().map(|fragment| fragment.volume).sum();
             assert!((sum / volume(&mesh) - 1.0).abs() < 1e-5, "{name}: volume");
-            for piece in &pieces {
-                assert!((piece.volume / volume(&whole(piece)) - 1.0).abs() < 1e-3, "{name}");
+            for fragment in &fragments {
+                assert!((fragment.volume / volume(&whole(fragment)) - 1.0).abs() < 1e-3, "{name}");
             }
         }
     }
@@ -121,8 +123,9 @@ fn are_apart(first: &ConvexHull, second: &ConvexHull) -> bool {
 fn colliders_of_pieces_do_not_touch_each_other() {
     for (name, mesh) in bundled_models() {
         let hulls = decompose(&mesh, &Parameters::default(), &Control::new()).unwrap().hulls;
-        let pieces = pieces(&mesh, &hulls);
-        let hulls: Vec<&ConvexHull> = pieces.iter().flat_map(|piece| &piece.colliders).collect();
+        let fragments = fragments(&mesh, &hulls);
+        let hulls: Vec<&ConvexHull> =
+            fragments.iter().flat_map(|fragment| &fragment.colliders).collect();
         for (index, first) in hulls.iter().enumerate() {
             for (other, second) in hulls.iter().enumerate().skip(index + 1) {
                 assert!(are_apart(first, second), "{name}: {index} and {other}");
@@ -142,14 +145,14 @@ fn hulls_of_one_group_are_one_piece_without_cuts_between_them() {
     let hulls: Vec<Hull> = [0.0, 1.0, 2.0]
         .map(|x| convex_hull(&cuboid([x, 0.0, 0.0], [x + 1.0, 1.0, 1.0]).positions).unwrap().into())
         .to_vec();
-    let pieces = break_apart(&mesh, &hulls, &[4, 4, 9], &Control::new()).unwrap();
-    let [pair, single] = &pieces[..] else { panic!("{} pieces", pieces.len()) };
+    let fragments = break_apart(&mesh, &hulls, &[4, 4, 9], &Control::new()).unwrap();
+    let [pair, single] = &fragments[..] else { panic!("{} fragments", fragments.len()) };
     assert_eq!((pair.group, single.group), (4, 9));
     assert_eq!((&pair.hulls[..], &single.hulls[..]), (&[0, 1][..], &[2][..]));
     assert_eq!([pair.colliders.len(), single.colliders.len()], [2, 1]);
     assert!((pair.volume - 2.0).abs() < 1e-12 && (single.volume - 1.0).abs() < 1e-12);
-    for piece in &pieces {
-        let TriangleMesh { positions, triangles, .. } = &piece.cut_faces;
+    for fragment in &fragments {
+        let TriangleMesh { positions, triangles, .. } = &fragment.cut_faces;
         assert!((area(positions, triangles) - 1.0).abs() < 1e-12);
         assert!(positions.iter().all(|point| (point[0] - 2.0).abs() < 1e-12));
     }
@@ -163,7 +166,8 @@ fn overlaps_are_shared_out_in_their_middle() {
             convex_hull(&cuboid([low, 0.0, 0.0], [high, 1.0, 1.0]).positions).unwrap().into()
         })
         .to_vec();
-    let volumes: Vec<f64> = pieces(&mesh, &hulls).iter().map(|piece| piece.volume).collect();
+    let volumes: Vec<f64> =
+        fragments(&mesh, &hulls).iter().map(|fragment| fragment.volume).collect();
     assert!((volumes[0] - 1.1).abs() < 1e-12 && (volumes[1] - 0.9).abs() < 1e-12, "{volumes:?}");
 }
 
@@ -174,7 +178,7 @@ fn a_value_at_the_vertices_of_the_mesh_goes_on_over_cuts() {
         let (low, high) = mesh.positions.iter().fold((f64::MAX, f64::MIN), |(low, high), of| {
             of.iter().fold((low, high), |(low, high), &x| (low.min(x), high.max(x)))
         });
-        for vertex in pieces(&mesh, &hulls).iter().flat_map(|piece| &piece.vertices) {
+        for vertex in fragments(&mesh, &hulls).iter().flat_map(|fragment| &fragment.vertices) {
             assert!((vertex.weights.iter().sum::<f32>() - 1.0).abs() < 1e-6, "{name}");
             for (axis, &x) in vertex.position.iter().enumerate() {
                 let corners = vertex.corners.map(|corner| mesh.positions[corner as usize][axis]);

@@ -1,25 +1,27 @@
-//! `cargo lab pictures pieces`: meshes broken apart, and what their pieces add up to.
+//! `cargo lab pictures fragments`: meshes broken apart, and what their fragments add up to.
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use hullwright::{Control, Parameters, Piece, TriangleMesh, break_apart, decompose};
+use hullwright::{Control, Fragment, Parameters, TriangleMesh, break_apart, decompose};
 use hullwright_formats::{palette, read_mesh};
 
 use crate::pictures;
 use crate::render::{Layout, Panel, Part};
 use crate::terminal::{Failure, print};
 
-/// How far pieces are moved from the middle of all, as a multiple of their distance.
+/// How far fragments are moved from the middle of all, as a multiple of their distance.
 const APART: f64 = 0.45;
 
 const PANEL: (usize, usize) = (310, 270);
 
-/// Draws each mesh, its hulls and its pieces, with what closes their cuts in red, and prints a row
+/// Draws each mesh, its hulls and its fragments, with what closes their cuts in red, and prints a row
 /// of numbers for each.
 pub fn draw(output: &Path, meshes: &[PathBuf]) -> Result<(), Failure> {
-    print("| mesh | hulls | pieces | area | volume | open edges, of the mesh and of pieces | time |")?;
+    print(
+        "| mesh | hulls | fragments | area | volume | open edges, of the mesh and of fragments | time |",
+    )?;
     print("|---|---|---|---|---|---|---|")?;
     let mut rows = Vec::new();
     for path in meshes {
@@ -28,36 +30,36 @@ pub fn draw(output: &Path, meshes: &[PathBuf]) -> Result<(), Failure> {
         let hulls = decompose(&mesh, &Parameters::default(), &control)?.hulls;
         let each_alone: Vec<u32> = (0..hulls.len() as u32).collect();
         let start = Instant::now();
-        let pieces = break_apart(&mesh, &hulls, &each_alone, &control)?;
+        let fragments = break_apart(&mesh, &hulls, &each_alone, &control)?;
         let time = start.elapsed();
-        let area_of = |piece: &Piece| area(&surface(piece));
-        let outer: f64 = pieces.iter().map(area_of).sum();
-        let enclosed: f64 = pieces.iter().map(|piece| piece.volume).sum();
+        let area_of = |fragment: &Fragment| area(&surface(fragment));
+        let outer: f64 = fragments.iter().map(area_of).sum();
+        let enclosed: f64 = fragments.iter().map(|fragment| fragment.volume).sum();
         print(&format!(
             "| {} | {} | {} | {:.5} | {:.5} | {}, {} | {:.1} ms |",
             name.display(),
             hulls.len(),
-            pieces.len(),
+            fragments.len(),
             outer / area(&mesh),
             enclosed / volume(&mesh).abs(),
             open_edges(&mesh),
-            pieces.iter().map(|piece| open_edges(&whole(piece))).sum::<usize>(),
+            fragments.iter().map(|fragment| open_edges(&whole(fragment))).sum::<usize>(),
             time.as_secs_f64() * 1e3,
         ))?;
         rows.push(vec![
             Panel::mesh(&mesh),
             Panel::hulls(&hulls).exploded(APART),
-            exploded(&mesh, &pieces),
+            exploded(&mesh, &fragments),
         ]);
     }
     pictures::write(output, rows, PANEL, Layout::default().view.elevation)
 }
 
-fn exploded(mesh: &TriangleMesh, pieces: &[Piece]) -> Panel {
+fn exploded(mesh: &TriangleMesh, fragments: &[Fragment]) -> Panel {
     let middle = middle(&mesh.positions);
     let mut parts = Vec::new();
-    for (index, piece) in pieces.iter().enumerate() {
-        let own = self::middle(&surface(piece).positions);
+    for (index, fragment) in fragments.iter().enumerate() {
+        let own = self::middle(&surface(fragment).positions);
         let away = [0, 1, 2].map(|axis| APART * (own[axis] - middle[axis]));
         let moved = |mut mesh: TriangleMesh| {
             for point in &mut mesh.positions {
@@ -66,23 +68,23 @@ fn exploded(mesh: &TriangleMesh, pieces: &[Piece]) -> Panel {
             mesh
         };
         let colour = palette::colour(index);
-        parts.push(Part { mesh: moved(surface(piece)), colour });
-        parts.push(Part { mesh: moved(piece.cut_faces.clone()), colour: palette::CAP });
+        parts.push(Part { mesh: moved(surface(fragment)), colour });
+        parts.push(Part { mesh: moved(fragment.cut_faces.clone()), colour: palette::CAP });
     }
     Panel { parts, explosion: 0.0 }
 }
 
-fn surface(piece: &Piece) -> TriangleMesh {
-    let positions = piece.vertices.iter().map(|vertex| vertex.position).collect();
-    TriangleMesh::new(positions, piece.triangles.clone())
+fn surface(fragment: &Fragment) -> TriangleMesh {
+    let positions = fragment.vertices.iter().map(|vertex| vertex.position).collect();
+    TriangleMesh::new(positions, fragment.triangles.clone())
 }
 
 /// Surface and cuts as one mesh.
-fn whole(piece: &Piece) -> TriangleMesh {
-    let mut mesh = surface(piece);
+fn whole(fragment: &Fragment) -> TriangleMesh {
+    let mut mesh = surface(fragment);
     let first = mesh.positions.len() as u32;
-    mesh.positions.extend(&piece.cut_faces.positions);
-    let cuts = piece.cut_faces.triangles.iter().map(|triangle| triangle.map(|at| at + first));
+    mesh.positions.extend(&fragment.cut_faces.positions);
+    let cuts = fragment.cut_faces.triangles.iter().map(|triangle| triangle.map(|at| at + first));
     mesh.triangles.extend(cuts);
     mesh
 }
