@@ -4,9 +4,10 @@
 use bevy::prelude::*;
 
 use super::changes::Tagged;
-use super::children::{self, ColliderInChildren, HullCollider};
+use super::children::{ColliderInChildren, HullCollider};
 use super::moved::moved;
 use super::placement::Placements;
+use super::split;
 use super::work::{AttachedCollider, OwnCollider, Work};
 use crate::engine::Engine;
 use crate::jobs::Frame;
@@ -52,7 +53,7 @@ pub(super) fn follow_scales<E: Engine>(
         if in_children {
             let below = children.get(entity).into_iter().flatten();
             let below = below.filter_map(|child| of_hulls.get(*child).ok());
-            children::follow::<E>(&mut commands, below, &own, &place, weight);
+            split::follow::<E>(&mut commands, below, &own, &place, weight);
         } else {
             let mass = weight.and_then(|weight| own.weigh::<E>(weight, &place.map).ok().flatten());
             E::replace(&mut commands.entity(entity), collider, mass);

@@ -9,6 +9,7 @@ pub(super) mod parts;
 pub(super) mod placement;
 pub(super) mod resolve;
 mod skins;
+mod split;
 pub(super) mod waiting;
 pub(super) mod work;
 
@@ -313,15 +314,7 @@ impl<E: Engine> Targets<'_, '_, E> {
         }
         if let Some((grouping, own)) = in_children {
             let how = (grouping, requested.weight);
-            children::attach::<E>(
-                commands.commands_mut(),
-                entity,
-                &own,
-                &place,
-                &parts,
-                how,
-                cache,
-            )?;
+            split::attach::<E>(commands.commands_mut(), entity, &own, &place, &parts, how, cache)?;
         }
         Ok(maps_differ(&made_map, &place.map).then_some(place.stretch))
     }

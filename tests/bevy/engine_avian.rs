@@ -179,6 +179,9 @@ pub const ALLOWS_DISABLING: bool = false;
 /// Avian takes no rotation from such a transform, and writes that into it.
 pub const ALLOWS_SCALE_ZERO: bool = false;
 
+/// How fast contacts of small things push what does not touch, in metres per second.
+pub const PUSHES: f32 = 0.01;
+
 /// Meets nothing.
 pub fn alone() -> Layers {
     CollisionLayers::NONE

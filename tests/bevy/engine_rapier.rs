@@ -183,6 +183,9 @@ pub const ALLOWS_DISABLING: bool = true;
 /// Whether a fixed body may have a scale of zero for a while.
 pub const ALLOWS_SCALE_ZERO: bool = true;
 
+/// How fast contacts of small things push what does not touch, in metres per second.
+pub const PUSHES: f32 = 0.0;
+
 /// Meets nothing.
 pub fn alone() -> Layers {
     CollisionGroups::new(Group::NONE, Group::NONE)

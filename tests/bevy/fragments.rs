@@ -136,7 +136,7 @@ fn what_breaks_is_not_pushed_apart() {
             update_times(&mut app, 60);
             let after = motion(&mut app, &fragments);
             // Less than a hundredth of its size in a second counts as rest.
-            let still = 0.01 * size;
+            let still = (0.01 * size).max(PUSHES);
             let whole: f32 = fragments.iter().map(|of| some_mass(&app, *of).unwrap()).sum();
             let rest = whole * still * still / 2.0;
             assert!(

@@ -28,7 +28,8 @@ use orbit::{Orbit, OrbitPlugin, camera};
 use picture::{
     Bodies, PicturePlugin, PictureTaken, Shutter, arguments, awake, is_tour, is_without_person,
 };
-use shown::{ShownHulls, draw_new_hulls, note_ready, toggle};
+pub use shown::ShownHulls;
+use shown::{draw_new_hulls, note_ready, toggle};
 use studio::Studio;
 
 /// The bundled models, wherever a window is started from; in a browser beside the page.

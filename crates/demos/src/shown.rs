@@ -12,7 +12,7 @@ use crate::hulls::{HullMaterials, edges_mesh, hulls_mesh, pieces};
 
 /// Whether hulls are shown.
 #[derive(Resource)]
-pub struct ShownHulls(bool);
+pub struct ShownHulls(pub bool);
 
 impl Default for ShownHulls {
     fn default() -> Self {

@@ -69,7 +69,7 @@ const MOST_COLLIDER_VERTICES: usize = 64;
 
 /// Colliders have this size of what is in their cells. Physics engines see hulls that touch as
 /// overlapping by up to several percent, in whatever direction, and push them apart.
-const SIZE: f64 = 0.995;
+const SIZE: f64 = 0.99;
 
 /// Breaks a mesh into fragments, one for each hull, or for each group of hulls with the same number.
 ///
