@@ -8,6 +8,7 @@
 //! the same 200 meshes, the frame in which a system calls Parry's V-HACD as bevy_rapier's
 //! `AsyncCollider` does. That component itself needs Bevy's renderer.
 
+use std::hint::black_box;
 use std::time::{Duration, Instant};
 
 use bevy::asset::{AssetPlugin, RenderAssetUsages};
@@ -76,12 +77,14 @@ impl Watch {
 
 /// All, or those whose names begin as an argument does.
 fn main() {
-    let all: [(&str, fn()); 8] = [
+    let all: [(&str, fn()); 10] = [
         ("idle", idle),
         ("falling", falling),
         ("known mesh", known_mesh),
         ("many meshes", many_meshes),
         ("baked props", baked_props),
+        ("look-up", look_up),
+        ("breaking", breaking),
         ("pulsing scales", || [30, 500].into_iter().for_each(pulsing)),
         ("tasks of Bevy's", bevys_own_tasks),
         ("Rapier's own", rapiers_own),
@@ -319,6 +322,63 @@ fn baked_props() {
         println!("{PROPS} baked props {name}: all are ready after {frames} frames (target 20)");
     }
 }
+
+/// From the index of a hull, or of a triangle, to the entity with its mesh: in a query by entity, as
+/// after a ray.
+fn look_up() {
+    let (hulls, triangles) = (DecompositionShape::Hulls, DecompositionShape::Triangles);
+    for (name, shape) in [("hull", hulls), ("triangle", triangles)] {
+        let mut app = app();
+        let tag = ConvexDecomposition::default().with_shape(shape);
+        let whole = app.world_mut().spawn((tag, Transform::default())).id();
+        for number in 0..MODELS.len() {
+            let mesh = Mesh3d(add(&mut app, mesh(number)));
+            let place = Transform::from_xyz(number as f32, 0.0, 0.0);
+            app.world_mut().spawn((mesh, place, ChildOf(whole)));
+        }
+        update_until_finished(&mut app);
+        let mut parts = app.world_mut().query::<&ColliderParts>();
+        let start = Instant::now();
+        let mut found = 0;
+        for number in 0..LOOK_UPS {
+            let of = parts.get(app.world(), whole).unwrap();
+            found += usize::from(of.part(black_box(number % MOST_SUBSHAPES)).is_some());
+        }
+        let each = microseconds(start.elapsed()) * 1e3 / f64::from(LOOK_UPS);
+        assert_eq!(found, LOOK_UPS as usize);
+        println!("look-up: from a {name} to its part in {each:.0} ns (target 1000)");
+    }
+}
+
+const LOOK_UPS: u32 = 1_000_000;
+
+/// Fewer than ten models have hulls.
+const MOST_SUBSHAPES: u32 = 64;
+
+fn breaking() {
+    for number in 0..MODELS.len() {
+        let mut times: Vec<Duration> = (0..BROKEN)
+            .map(|_| {
+                let mut app = app_with_bodies();
+                let mesh = add(&mut app, mesh(number));
+                spawn_body(&mut app, &mesh, 0);
+                update_until_finished(&mut app);
+                let world = app.world_mut();
+                let mut bodies = world.query_filtered::<Entity, With<ConvexDecomposition>>();
+                let body = bodies.single(world).unwrap();
+                let start = Instant::now();
+                world.commands().entity(body).break_apart(HullGrouping::EachHull);
+                world.flush();
+                start.elapsed()
+            })
+            .collect();
+        let each = microseconds(median(&mut times)) / 1e3;
+        println!("breaking: {} into a body for each hull in {each:.2} ms", MODELS[number]);
+    }
+}
+
+/// Each model is broken so many times.
+const BROKEN: usize = 9;
 
 const PULSES: usize = 120;
 

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use bevy::prelude::*;
 use hullwright::PartShare;
+use hullwright::hulls_format::MeshPart;
 
 use crate::jobs::cache::ColliderGeometry;
 
@@ -38,9 +39,10 @@ use crate::jobs::cache::ColliderGeometry;
 /// Rapier's rays, casts and contacts have the subshape. Avian's have not: there
 /// [`subshape_at`](crate::subshape_at) finds it by the point that was hit.
 ///
-/// A collider of one part is made of that. A box, ball or capsule is made of all parts alike, and
-/// so is a [`BakedDecomposition`](crate::BakedDecomposition) of several meshes, whose triangles
-/// nobody has looked at: then no part is known.
+/// A collider of one part is made of that. A box, ball or capsule is made of all parts alike: then
+/// no part is known. A [`BakedDecomposition`](crate::BakedDecomposition) has the parts that its file
+/// knows, where as many meshes are there; and [`baked_part`](Self::baked_part) names them without
+/// any.
 #[derive(Component, Debug, Clone)]
 pub struct ColliderParts {
     entities: Vec<Entity>,
@@ -65,6 +67,17 @@ impl ColliderParts {
         Self { hulls: Some(hulls.to_vec()), ..self.clone() }
     }
 
+    /// Which hull of all a subshape of the collider is.
+    fn hull(&self, subshape: u32) -> u32 {
+        match self.hulls.as_deref() {
+            None => subshape,
+            Some(hulls) => {
+                let hull = hulls.get(index_of_hull(hulls.len(), subshape));
+                hull.copied().unwrap_or(NO_SUBSHAPE)
+            }
+        }
+    }
+
     pub(crate) fn geometry(&self) -> &ColliderGeometry {
         &self.geometry
     }
@@ -87,15 +100,18 @@ impl ColliderParts {
         self.shares(subshape).next().map(|(entity, _)| entity)
     }
 
+    /// The mesh, the primitive and the material, by their names in the scene's file, that a hull is
+    /// made of, of several those with the largest share of its area: where hulls are baked, also
+    /// without any mesh, as on a server. `None` elsewhere. O(1).
+    pub fn baked_part(&self, subshape: u32) -> Option<&MeshPart> {
+        let ColliderGeometry::Hulls(file, _) = &*self.geometry else { return None };
+        file.part(index_of_hull(file.hulls.len(), self.hull(subshape)))
+    }
+
     /// All parts that a hull or a triangle is made of, the largest first, with their shares of the
     /// area that it stands for. They add up to 1.
     pub fn shares(&self, subshape: u32) -> impl Iterator<Item = (Entity, f32)> + '_ {
-        // A single hull is no compound, whose subshape engines number as they like.
-        let subshape = match self.hulls.as_deref() {
-            None => subshape,
-            Some(&[only]) => only,
-            Some(hulls) => hulls.get(subshape as usize).copied().unwrap_or(NO_SUBSHAPE),
-        };
+        let subshape = self.hull(subshape);
         let (whole, of_hull) = match (&self.entities[..], &*self.geometry) {
             (&[only], geometry) => ((subshape < subshapes(geometry)).then_some(only), None),
             (_, ColliderGeometry::Triangles(data)) => {
@@ -103,10 +119,12 @@ impl ColliderParts {
                 let part = is_there.then(|| self.entities.get(data.part_of(subshape))).flatten();
                 (part.copied(), None)
             }
-            (_, ColliderGeometry::Hulls(_, shares)) => {
-                // A single hull is no compound, whose subshape engines number as they like.
-                let index = if shares.len() == 1 { 0 } else { subshape as usize };
-                (None, shares.get(index))
+            (_, ColliderGeometry::Hulls(file, shares)) => {
+                let shares = match shares.is_empty() && file.parts.len() == self.entities.len() {
+                    true => &file.part_shares,
+                    false => shares,
+                };
+                (None, shares.get(index_of_hull(shares.len(), subshape)))
             }
             (_, ColliderGeometry::Primitive(..)) => (None, None),
         };
@@ -115,6 +133,11 @@ impl ColliderParts {
         });
         whole.map(|entity| (entity, 1.0)).into_iter().chain(of_hull)
     }
+}
+
+/// A single hull is no compound, whose subshape engines number as they like.
+fn index_of_hull(hulls: usize, subshape: u32) -> usize {
+    if hulls == 1 { 0 } else { subshape as usize }
 }
 
 /// No collider has so many.

@@ -19,7 +19,7 @@ use crate::tag::settings::HullwrightSettings;
 #[derive(Debug)]
 pub(crate) enum ColliderGeometry {
     /// Hulls, with mass properties at a density of 1, and for each hull the parts that it is made
-    /// of, where there are several.
+    /// of, where there are several and the file does not say it.
     Hulls(Box<HullsFile>, Vec<Vec<PartShare>>),
     /// The mesh itself.
     Triangles(MeshData),

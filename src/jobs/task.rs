@@ -259,12 +259,14 @@ impl DecompositionTask {
 }
 
 /// Hulls, with what they are made of where there are several parts. By their shapes alone, so that
-/// it is the same for those that come from a file.
+/// it is the same for those that come from a cache.
 fn hulls_in_parts(
     file: HullsFile,
     data: &MeshData,
 ) -> Result<Arc<ColliderGeometry>, DecompositionError> {
-    if data.part_ends.len() < 2 {
+    // A baked file may know better: the decomposition's own triangles.
+    let is_known = file.parts.len() == data.part_ends.len();
+    if data.part_ends.len() < 2 || is_known {
         return Ok(ColliderGeometry::of_hulls(file, Vec::new()));
     }
     let parts: Vec<u32> =
