@@ -10,6 +10,7 @@ use crate::part_shares::PartShare;
 /// A part of a mesh that hulls are made of: one primitive, which has one material.
 #[non_exhaustive]
 #[derive(Debug, Clone, PartialEq, Eq, Hash, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct MeshPart {
     /// The mesh's name; may be empty.
     pub mesh: String,
