@@ -2,7 +2,7 @@
 
 use arbitrary::{Result, Unstructured};
 use hullwright::Error;
-use hullwright::hulls_format::HullsFile;
+use hullwright::hulls_format::{FORMAT_VERSION, HullsFile};
 use hullwright_formats::{Format, MeshFile, read_mesh_from_bytes, read_scene_from_bytes};
 
 /// What is read names only what is there; what is refused says why.
@@ -317,12 +317,16 @@ fn gltf_json(bytes: &mut Unstructured<'_>) -> Result<serde_json::Value> {
     }))
 }
 
-/// As they are, and as the body of a file whose header and checksum are right. What is read is
-/// written as it was, and read as it was written.
+/// As they are, and as the body of a file of each version whose header and checksum are right. What
+/// is read is written as it was, and read as it was written.
 pub fn hulls_file(bytes: &[u8]) {
     let _ = HullsFile::from_bytes(bytes);
+    (1..=FORMAT_VERSION).for_each(|version| hulls_file_of(version, bytes));
+}
+
+fn hulls_file_of(version: u32, bytes: &[u8]) {
     let mut file = b"\x89HULLS\r\n".to_vec();
-    file.extend(1_u32.to_le_bytes());
+    file.extend(version.to_le_bytes());
     file.extend(7_u32.to_le_bytes());
     file.extend((bytes.len() as u64).to_le_bytes());
     file.extend(bytes);
@@ -334,6 +338,10 @@ pub fn hulls_file(bytes: &[u8]) {
             assert!(hull.shape.points.iter().flatten().all(|x| x.is_finite()));
             // Whatever they are, engines may ask for this.
             let _ = hull.shape.to_single_precision();
+        }
+        for (hull, shares) in read.part_shares.iter().enumerate() {
+            assert_eq!(read.part(hull).is_none(), shares.is_empty());
+            assert!(shares.iter().all(|share| (share.part as usize) < read.parts.len()));
         }
         let written = read.to_bytes().expect("it fitted once");
         // Volumes are computed anew, and may say now that there is none.

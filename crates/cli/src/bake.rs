@@ -9,7 +9,7 @@ use hullwright_cli::terminal::{Failure, count, print, print_error, print_warning
 use hullwright_formats::bake::{
     BakeJob, BakeOptions, bake_jobs, bake_triangles, extras_complaints,
 };
-use hullwright_formats::{Format, NamedMesh, SceneMesh, read_scene, write_file};
+use hullwright_formats::{Format, SceneMesh, read_scene, write_file};
 
 use crate::arguments::{ParameterArguments, SCENE_SUFFIX, ThreadArguments, Uses};
 use crate::decompose::{DEFAULT_DENSITY, hulls_file, wrote};
@@ -238,7 +238,9 @@ fn bake_scene(scene: &Scene<'_>, control: impl Fn(usize) -> Control, results: &m
         let known = earlier.as_ref().and_then(|earlier| {
             match earlier.look_up(MeshHash::of(&job.mesh), &job.parameters, &[]) {
                 SceneLookup::Found(baked)
-                    if baked.names == job.names && baked.gltf_meshes == job.gltf_meshes =>
+                    if baked.names == job.names
+                        && baked.gltf_meshes == job.gltf_meshes
+                        && baked.hulls.parts == job.parts.list =>
                 {
                     Some(baked.clone())
                 }
@@ -295,7 +297,7 @@ const LONGEST_NAME: usize = 200;
 /// A mesh of its own.
 struct MeshJob<'a> {
     input: &'a Path,
-    mesh: NamedMesh,
+    mesh: SceneMesh,
     output: PathBuf,
 }
 
@@ -339,8 +341,7 @@ fn mesh_jobs<'a>(
         let meshes = results.keep(with_triangles(read_scene(&input.path), input));
         let meshes = meshes.unwrap_or_default();
         notes::warn(meshes.iter().flat_map(|mesh| &mesh.notes), &input.path);
-        for SceneMesh { name, mesh, .. } in meshes {
-            let mesh = NamedMesh { name, mesh };
+        for mesh in meshes {
             let name = unique(&file_name(&mesh.name), &mut names);
             let output = output_of(arguments, input, &format!("{name}.hulls"));
             jobs.push(MeshJob { input: &input.path, mesh, output });
@@ -356,10 +357,12 @@ fn bake_mesh(
     method: &Method,
     control: &Control,
 ) -> Result<Vec<String>, String> {
-    let NamedMesh { name, mesh } = &job.mesh;
+    let SceneMesh { name, mesh, parts, .. } = &job.mesh;
     let decomposition = method.decompose(mesh, control).map_err(|error| error.to_string())?;
     let file = hulls_file(name.as_str(), mesh.view(), &decomposition, &method.solid(), density)
         .map_err(|error| error.to_string())?;
+    let shares = parts.shares(mesh, &decomposition.hulls).map_err(|error| error.to_string())?;
+    let file = file.with_parts(parts.list.clone(), shares);
     make_directory(&job.output)?;
     let bytes = file.to_bytes().map_err(|error| error.to_string())?;
     write_file(&job.output, &bytes).map_err(|error| error.to_string())?;

@@ -77,14 +77,16 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         Some(output) if is_hulls_file(output) => {
             let name = mesh.file_stem().unwrap_or_default().to_string_lossy();
             let view = (&file).into();
-            let file = hulls_file(name, view, &decomposition, &method.solid(), DEFAULT_DENSITY)?;
-            write_file(output, &file.to_bytes()?)?;
+            let hulls = hulls_file(name, view, &decomposition, &method.solid(), DEFAULT_DENSITY)?;
+            let shares = file.parts.shares(view, &decomposition.hulls)?;
+            let hulls = hulls.with_parts(file.parts.list.clone(), shares);
+            write_file(output, &hulls.to_bytes()?)?;
         }
         Some(output) => waiting("writing", || write_hulls(output, &decomposition.hulls))?,
         None => {}
     }
     if *json {
-        return print_json(&report::json(mesh, &file.notes, &decomposition, seconds, *search));
+        return print_json(&report::json(mesh, &file, &decomposition, seconds, *search)?);
     }
     if let (true, Some(surface)) = (*search, decomposition.report.surface()) {
         print(&report::search(surface))?;

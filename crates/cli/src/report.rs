@@ -6,9 +6,9 @@ use std::path::Path;
 use comfy_table::{CellAlignment, Table, presets};
 use hullwright::merge_tree::CurvePoint;
 use hullwright::surface::{ResolutionOutcome, SurfaceReport, ThresholdOutcome};
-use hullwright::{Decomposition, Hull, MethodReport, ProbeReport, Report};
+use hullwright::{Decomposition, Error, Hull, MethodReport, ProbeReport, Report};
 use hullwright_cli::terminal::time;
-use hullwright_formats::Note;
+use hullwright_formats::{MeshFile, Note};
 use serde_json::{Map, Value, json};
 
 use crate::notes::lines;
@@ -166,13 +166,16 @@ fn cost(cost: f64) -> String {
 /// belongs to another method is null.
 ///
 /// `seconds` is the wall-clock time of the decomposition, without reading and writing.
+///
+/// # Errors
+/// None for a mesh that was decomposed.
 pub fn json(
     mesh: &Path,
-    notes: &[Note],
+    file: &MeshFile,
     decomposition: &Decomposition<MethodReport>,
     seconds: f64,
     with_search: bool,
-) -> Value {
+) -> Result<Value, Error> {
     let Decomposition { hulls, run, report, .. } = decomposition;
     let (bounded, surface) = (report.bounded(), report.surface());
     let closed = |is_closed: bool| {
@@ -180,7 +183,7 @@ pub fn json(
     };
     let area =
         |is_closed| closed(is_closed).map(|opening| opening.area).fold(0.0, |sum, area| sum + area);
-    let notes = notes.iter().map(
+    let notes = file.notes.iter().map(
         |note| json!({ "kind": note.kind.name(), "count": note.count, "text": note.to_string() }),
     );
     let stages = run.times.iter().map(|time| (time.stage.name().into(), time.seconds.into()));
@@ -230,11 +233,13 @@ pub fn json(
         "deadline_reached": run.deadline_reached,
         // In the order of the work.
         "stage_seconds": stages.collect::<Map<String, Value>>(),
+        "parts": file.parts.list,
+        "part_shares": file.parts.shares(file, hulls)?,
     });
     if let (Some(surface), true, Some(line)) = (surface, with_search, line.as_object_mut()) {
         line.insert("search".into(), search_json(surface));
     }
-    line
+    Ok(line)
 }
 
 /// Without pieces and cost where a threshold was not tried.

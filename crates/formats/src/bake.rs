@@ -27,7 +27,7 @@ use crate::conventions::{
     Body, ColliderKind, ExtrasTag, NameTag, is_coarser_level, mesh_tag, node_tag, read_extras,
     whole_of, without_copy_number,
 };
-use crate::mesh_file::{SceneMesh, SceneNode};
+use crate::mesh_file::{MeshParts, SceneMesh, SceneNode};
 
 /// What is baked of a scene.
 #[non_exhaustive]
@@ -86,12 +86,18 @@ pub struct BakeJob {
     pub gltf_meshes: Vec<u32>,
     /// The mesh, in single precision, as engines have it.
     pub mesh: TriangleMesh,
+    /// What its triangles are made of: the parts of the first of the meshes with this content,
+    /// whatever those of the others are.
+    pub parts: MeshParts,
     /// What it is decomposed with.
     pub parameters: Method,
 }
 
 /// What there is to bake of a scene's meshes, each content with its parameters once, in their
 /// order.
+///
+/// Meshes with the same triangles are one content, also if they differ in their materials or are
+/// cut into other primitives: their hulls are said to be made of the parts of the first.
 ///
 /// A mesh is baked with the parameters of each node that shows it; one that no node shows with
 /// those of its own name and extras, since a game may spawn it.
@@ -118,11 +124,11 @@ pub fn bake_jobs(meshes: Vec<SceneMesh>, options: &BakeOptions) -> Vec<BakeJob> 
             let same = known.iter().copied().find(|job| jobs[*job].parameters == parameters);
             let job = same.unwrap_or_else(|| {
                 known.push(jobs.len());
-                let content = mesh.mesh.clone();
                 jobs.push(BakeJob {
                     names: Vec::new(),
                     gltf_meshes: Vec::new(),
-                    mesh: content,
+                    mesh: mesh.mesh.clone(),
+                    parts: mesh.parts.clone(),
                     parameters,
                 });
                 jobs.len() - 1
@@ -184,7 +190,8 @@ pub fn extras_complaints(meshes: &[SceneMesh]) -> Vec<String> {
 }
 
 impl BakeJob {
-    /// Decomposes the mesh. Its mass properties are at a density of 1.
+    /// Decomposes the mesh. Its mass properties are at a density of 1, and its hulls know what they
+    /// are made of, if the mesh's file says it.
     ///
     /// # Errors
     /// As [`decompose`](hullwright::decompose()).
@@ -193,7 +200,10 @@ impl BakeJob {
         let solid = self.parameters.solid();
         let mass = mass_properties_with(&self.mesh, &made.hulls, 1.0, &solid)?;
         let name = self.names.first().cloned().unwrap_or_default();
-        let hulls = HullsFile::new(name, &made).with_mass_properties(mass);
+        let shares = self.parts.shares(&self.mesh, &made.hulls)?;
+        let hulls = HullsFile::new(name, &made)
+            .with_mass_properties(mass)
+            .with_parts(self.parts.list.clone(), shares);
         Ok(BakedMesh::new(&self.mesh, self.parameters.clone(), hulls)
             .with_names(self.names.clone())
             .with_gltf_meshes(self.gltf_meshes.clone()))

@@ -11,6 +11,7 @@ use std::rc::Rc;
 
 use glam::DAffine3;
 use hullwright::Sidedness;
+use hullwright::hulls_format::MeshPart;
 
 use super::gltf_data::{Beside, Data, DracoMesh, DracoStream};
 use super::gltf_extensions::{INSTANCING, check_required};
@@ -23,7 +24,7 @@ use super::gltf_nodes::{
 };
 use super::gltf_skins::{Effect, Pose, Skin, Vectors};
 use super::gltf_tree::Json;
-use super::mesh_file::{MeshFile, NamedMesh, SceneMesh, SceneNode, next_index, split_objects};
+use super::mesh_file::{MeshFile, SceneMesh, SceneNode, name_of_part, next_index, split_objects};
 use super::notes::{Note, NoteKind};
 
 /// A small file can place a mesh any number of times. A scene may have this many vertices and
@@ -53,7 +54,7 @@ pub(super) fn read_scene(bytes: &[u8], beside: Beside<'_>) -> Result<Vec<SceneMe
     let file = read_with(bytes, beside, |scene| {
         let nodes_of = nodes_of_meshes(scene.document);
         for (index, nodes) in nodes_of.into_iter().enumerate() {
-            let objects = scene.file.objects.len();
+            let (objects, parts) = (scene.file.objects.len(), scene.file.parts.list.len());
             scene.add_own_space(index)?;
             scene.note_skins(index, &nodes);
             let notes = scene.take_notes();
@@ -61,21 +62,23 @@ pub(super) fn read_scene(bytes: &[u8], beside: Beside<'_>) -> Result<Vec<SceneMe
             if scene.file.objects.len() > objects {
                 let extras = entries(&scene.document.meshes).get(index).and_then(extras);
                 let nodes = nodes.into_iter().map(|(_, node)| scene_node(node)).collect();
-                told.push((Some(index as u32), extras, nodes, notes));
+                let parts = parts..scene.file.parts.list.len();
+                told.push((Some(index as u32), parts, extras, nodes, notes));
             }
         }
         Ok(())
     })?;
-    let meshes = split_objects(&file).into_iter().zip(told);
-    let mesh = |(named, (index, extras, nodes, notes)): (NamedMesh, _)| SceneMesh {
+    let meshes = split_objects(&file).into_iter().zip(&file.objects).zip(told);
+    let meshes = meshes.map(|((named, object), (index, parts, extras, nodes, notes))| SceneMesh {
         name: named.name,
         index,
         mesh: named.mesh,
+        parts: file.parts.slice(parts, object.triangles.clone()),
         extras,
         nodes,
         notes,
-    };
-    Ok(meshes.map(mesh).collect())
+    });
+    Ok(meshes.collect())
 }
 
 fn read_with(
@@ -93,6 +96,7 @@ fn read_with(
         data: Data::new(&document, chunk, beside, bytes.len()),
         decompressed: BTreeMap::new(),
         globals: None,
+        parts: BTreeMap::new(),
         morphed: BTreeSet::new(),
         looked_up: 0,
         file: MeshFile::default(),
@@ -155,6 +159,8 @@ struct Scene<'a> {
     decompressed: BTreeMap<DracoStream, Rc<DracoMesh>>,
     /// The transforms of all nodes, once a skin needs them.
     globals: Option<Rc<[Option<DAffine3>]>>,
+    /// The parts of primitives, which are known by the numbers of mesh and primitive.
+    parts: BTreeMap<(usize, usize), u32>,
     /// Meshes with morph targets that have a weight at rest.
     morphed: BTreeSet<usize>,
     /// Elements that were read for skins and instances.
@@ -250,9 +256,7 @@ impl Scene<'_> {
     }
 
     fn add_own_space(&mut self, index: usize) -> Result<(), String> {
-        let mesh = entry(&self.document.meshes, "mesh", index)?;
-        let name = text(mesh, "name").filter(|name| !name.is_empty());
-        let name = name.map_or_else(|| format!("mesh_{index}"), str::to_owned);
+        let name = mesh_name(entry(&self.document.meshes, "mesh", index)?, index);
         self.add_mesh(index, Some(&name), &DAffine3::IDENTITY).map(drop)
     }
 
@@ -295,6 +299,7 @@ impl Scene<'_> {
             list(mesh, "primitives").map_err(|reason| format!("mesh {index}: {reason}"))?;
         for (number, primitive) in primitives.iter().enumerate() {
             self.add_primitive(primitive, transform, &mut placed)
+                .and_then(|()| self.close_part((index, number), primitive))
                 .map_err(|reason| format!("mesh {index}, primitive {number}: {reason}"))?;
         }
         if has_weight(mesh) {
@@ -361,19 +366,37 @@ impl Scene<'_> {
             let [a, b, c] = triangle.map(|index| first + index);
             if is_mirrored { [a, c, b] } else { [a, b, c] }
         }));
-        let sidedness = self.sidedness(primitive);
+        // Without a material a renderer draws one side.
+        let sidedness = match material(self.document, primitive) {
+            Some(material) if is_true(material, "doubleSided") => Sidedness::Two,
+            _ => Sidedness::One,
+        };
         self.file.mesh.sidedness.resize(self.file.mesh.triangles.len(), sidedness);
         Ok(())
     }
 
-    /// By its material; without one a renderer draws one side.
-    fn sidedness(&self, primitive: &Json<'_>) -> Sidedness {
-        let material = optional_number(primitive, "material").ok().flatten();
-        let material = material.and_then(|index| entries(&self.document.materials).get(index));
-        match material {
-            Some(material) if is_true(material, "doubleSided") => Sidedness::Two,
-            _ => Sidedness::One,
+    /// Gives the triangles of a primitive, which are the last, their part.
+    fn close_part(&mut self, id: (usize, usize), primitive: &Json<'_>) -> Result<(), String> {
+        let triangles = self.file.mesh.triangles.len();
+        let parts = &mut self.file.parts;
+        if parts.of_triangles.len() == triangles {
+            return Ok(());
         }
+        let part = match self.parts.get(&id) {
+            Some(known) => *known,
+            None => {
+                let (mesh, number) = id;
+                let name = mesh_name(entry(&self.document.meshes, "mesh", mesh)?, mesh);
+                let material = material(self.document, primitive);
+                let material = material.and_then(|material| text(material, "name"));
+                let [name, material] = [&name, material.unwrap_or_default()].map(name_of_part);
+                let part = parts.add(MeshPart::new(name, number as u32, material));
+                self.parts.insert(id, part);
+                part
+            }
+        };
+        parts.of_triangles.resize(triangles, part);
+        Ok(())
     }
 
     fn decompressed(&mut self, stream: DracoStream) -> Result<Rc<DracoMesh>, String> {
@@ -557,6 +580,17 @@ fn extras(of: &Json<'_>) -> Option<String> {
         Some(Json::Extras(text)) => Some((*text).to_owned()),
         _ => None,
     }
+}
+
+/// The name of a mesh, or one of its number.
+fn mesh_name<'a>(mesh: &'a Json<'_>, index: usize) -> Cow<'a, str> {
+    let name = text(mesh, "name").filter(|name| !name.is_empty());
+    name.map_or_else(|| format!("mesh_{index}").into(), Cow::Borrowed)
+}
+
+fn material<'a>(document: &'a Document<'a>, primitive: &Json<'_>) -> Option<&'a Json<'a>> {
+    let index = optional_number(primitive, "material").ok().flatten()?;
+    entries(&document.materials).get(index)
 }
 
 fn scene_node(node: &Json<'_>) -> SceneNode {

@@ -15,6 +15,7 @@
 //! |---|---|---|
 //! | OBJ, OFF, PLY, STL, glTF, GLB | a mesh; its parts; the meshes of a scene | [`read_mesh`]; [`read_own_meshes`]; [`read_scene`] |
 //! | bytes, from a stranger or in a browser | the same, without opening other files | [`read_mesh_from_bytes`], [`read_scene_from_bytes`] |
+//! | a mesh of several materials, and its hulls | what each hull is made of | [`MeshParts::shares`] |
 //! | hulls of any tool in a file | the hulls | [`read_hulls`] |
 //! | hulls | OBJ or GLB with a colour per hull | [`write_hulls`], [`hulls_to_bytes`] |
 //! | bytes | a file, all or nothing | [`write_file`] |
@@ -78,7 +79,7 @@ mod write;
 pub use atomic_write::write_file;
 #[cfg(feature = "meshes")]
 pub use mesh_file::{
-    Format, HullFormat, MeshFile, NamedMesh, Object, SceneMesh, SceneNode, is_hulls_file,
+    Format, HullFormat, MeshFile, MeshParts, NamedMesh, Object, SceneMesh, SceneNode, is_hulls_file,
 };
 #[cfg(feature = "meshes")]
 pub use notes::{Note, NoteKind, sum_notes};

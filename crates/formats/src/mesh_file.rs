@@ -3,7 +3,8 @@
 use std::ops::Range;
 use std::path::Path;
 
-use hullwright::{MeshView, TriangleMesh};
+use hullwright::hulls_format::MeshPart;
+use hullwright::{Error, Hull, MeshView, PartShare, TriangleMesh, part_shares};
 
 use super::notes::{self, Note, NoteKind};
 
@@ -129,6 +130,9 @@ pub struct MeshFile {
     /// objects of an OBJ (its groups, where it has no object), the solids of an STL, the nodes with
     /// a mesh of a glTF scene, each of its instances. A file of another format is a single part.
     pub objects: Vec<Object>,
+    /// What the triangles are made of, as far as the file says: the primitives of a glTF's meshes,
+    /// each once, however often it is placed; the materials of an OBJ's objects.
+    pub parts: MeshParts,
     /// What was left out or mended, one note for each kind.
     pub notes: Vec<Note>,
 }
@@ -153,6 +157,57 @@ impl MeshFile {
     pub(super) fn note(&mut self, kind: NoteKind, count: usize) {
         notes::add(&mut self.notes, kind, count);
     }
+}
+
+/// Which triangles of a mesh are of which of its parts; empty where its file says nothing of parts.
+#[non_exhaustive]
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct MeshParts {
+    /// The parts that hold triangles. Of a name no more than 256 bytes are kept.
+    pub list: Vec<MeshPart>,
+    /// For each triangle the index of its part; empty where there are no parts.
+    pub of_triangles: Vec<u32>,
+}
+
+impl MeshParts {
+    /// What hulls of the mesh are made of, for
+    /// [`HullsFile::with_parts`](hullwright::hulls_format::HullsFile::with_parts); empty where there
+    /// are no parts. Costs are those of [`part_shares`](hullwright::part_shares()).
+    ///
+    /// # Errors
+    /// As [`part_shares`](hullwright::part_shares()), for another mesh.
+    pub fn shares<'a>(
+        &self,
+        mesh: impl Into<MeshView<'a>>,
+        hulls: &[Hull],
+    ) -> Result<Vec<Vec<PartShare>>, Error> {
+        match self.list.is_empty() {
+            true => Ok(Vec::new()),
+            false => part_shares(mesh, &self.of_triangles, hulls),
+        }
+    }
+
+    /// Adds a part, and returns its index.
+    pub(super) fn add(&mut self, part: MeshPart) -> u32 {
+        self.list.push(part);
+        self.list.len() as u32 - 1
+    }
+
+    /// Some parts, and the triangles that hold just these.
+    pub(super) fn slice(&self, parts: Range<usize>, triangles: Range<usize>) -> Self {
+        let first = parts.start as u32;
+        let of_triangles = self.of_triangles.get(triangles).unwrap_or_default().iter();
+        Self {
+            list: self.list.get(parts).unwrap_or_default().to_vec(),
+            of_triangles: of_triangles.map(|part| part.saturating_sub(first)).collect(),
+        }
+    }
+}
+
+/// A name as parts have it. Each part has it anew: of one that is long they could fill any memory.
+pub(super) fn name_of_part(name: &str) -> &str {
+    const LONGEST: usize = 256;
+    &name[..name.floor_char_boundary(LONGEST)]
 }
 
 /// A mesh, or a hull of a hull set, by itself, in the file's units.
@@ -220,6 +275,8 @@ pub struct SceneMesh {
     pub index: Option<u32>,
     /// All its primitives together, each vertex used by a triangle.
     pub mesh: TriangleMesh,
+    /// Which triangles are of which primitive, and so of which material.
+    pub parts: MeshParts,
     /// Its extras: custom properties, as JSON.
     pub extras: Option<String>,
     /// The nodes that show it, in the file's order, of all scenes.

@@ -1,12 +1,15 @@
 //! Wavefront OBJ: vertices, faces, objects and groups.
 //!
 //! Positive and negative indices, polygons, faces before their vertices, continued lines and any
-//! text encoding are read; texture coordinates, normals, colours, weights, materials, points,
-//! lines and curves are skipped.
+//! text encoding are read, and names of materials; texture coordinates, normals, colours, weights,
+//! points, lines and curves are skipped.
 
 use std::borrow::Cow;
+use std::collections::HashMap;
 
-use super::mesh_file::{MeshFile, Object, next_index};
+use hullwright::hulls_format::MeshPart;
+
+use super::mesh_file::{MeshFile, Object, name_of_part, next_index};
 use super::text::{
     Triangulator, at_line, coordinates, lines, name, number, without_comment, words,
 };
@@ -19,6 +22,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<MeshFile, String> {
     let mut corners = Vec::new();
     let mut objects = Vec::new();
     let mut groups = Vec::new();
+    let mut materials = Vec::new();
     for (line, text) in logical_lines(bytes) {
         let mut words = words(&text);
         match words.next() {
@@ -31,13 +35,20 @@ pub(super) fn read(bytes: &[u8]) -> Result<MeshFile, String> {
                 }
                 triangulator.append(&mut file.mesh, &corners);
             }
-            Some(b"o") => objects.push((text_after_keyword(&text), file.mesh.triangles.len())),
-            Some(b"g") => groups.push((text_after_keyword(&text), file.mesh.triangles.len())),
+            Some(keyword @ (b"o" | b"g" | b"usemtl")) => {
+                let named = match keyword {
+                    b"o" => &mut objects,
+                    b"g" => &mut groups,
+                    _ => &mut materials,
+                };
+                named.push((text_after_keyword(&text, keyword), file.mesh.triangles.len()));
+            }
             _ => {}
         }
     }
     let parts = if objects.is_empty() { groups } else { objects };
     divide(&mut file, parts);
+    add_parts(&mut file, &materials);
     Ok(file)
 }
 
@@ -73,8 +84,8 @@ fn corner(word: &[u8], vertices_so_far: i64, vertices: usize) -> Result<u32, Str
     }
 }
 
-fn text_after_keyword(text: &[u8]) -> String {
-    name(text.trim_ascii_start().get(1..).unwrap_or_default())
+fn text_after_keyword(text: &[u8], keyword: &[u8]) -> String {
+    name(text.trim_ascii_start().get(keyword.len()..).unwrap_or_default())
 }
 
 /// Makes objects of names and the triangles before which they stand.
@@ -89,6 +100,31 @@ fn divide(file: &mut MeshFile, parts: Vec<(String, usize)>) {
             file.objects.push(Object { name, triangles });
         }
         start = next_start;
+    }
+}
+
+/// Makes a part of each material of an object, if any of the two has a name.
+fn add_parts(file: &mut MeshFile, materials: &[(String, usize)]) {
+    let MeshFile { objects, parts, .. } = file;
+    if materials.is_empty() && objects.iter().all(|object| object.name.is_empty()) {
+        return;
+    }
+    let (mut known, mut counts) = (HashMap::new(), HashMap::new());
+    for Object { name, triangles } in objects.iter() {
+        let mesh = name_of_part(name);
+        let mut start = triangles.start;
+        while start < triangles.end {
+            let next = materials.partition_point(|(_, first)| *first <= start);
+            let (before, after) = materials.split_at(next);
+            let material = before.last().map_or("", |(name, _)| name_of_part(name));
+            let part = *known.entry((mesh, material)).or_insert_with(|| {
+                let count = counts.entry(mesh).or_insert(0);
+                *count += 1;
+                parts.add(MeshPart::new(mesh, *count - 1, material))
+            });
+            start = after.first().map_or(triangles.end, |(_, first)| triangles.end.min(*first));
+            parts.of_triangles.resize(start, part);
+        }
     }
 }
 
@@ -203,6 +239,25 @@ mod tests {
             named(&format!("o x\ng a\n{face}g b\n{face}o y\no z\n{face}")),
             [("x".into(), 0..2), ("z".into(), 2..3)]
         );
+    }
+
+    #[test]
+    fn a_part_is_a_material_of_an_object_however_often_it_is_taken_up() {
+        let parts = |text: &str| {
+            let parts = read(format!("{FOUR_VERTICES}{text}").as_bytes()).unwrap().parts;
+            let named = |part: MeshPart| (part.mesh, part.primitive, part.material);
+            (parts.list.into_iter().map(named).collect::<Vec<_>>(), parts.of_triangles)
+        };
+        let face = "f 1 2 3\n";
+        assert_eq!(parts(face), (vec![], vec![]));
+        let steel_twice = format!("usemtl steel \n{face}usemtl oak\n{face}usemtl steel\n{face}");
+        let of = |mesh: &str, primitive, material: &str| (mesh.into(), primitive, material.into());
+        let two = vec![of("", 0, "steel"), of("", 1, "oak")];
+        assert_eq!(parts(&steel_twice), (two, vec![0, 1, 0]));
+        let chairs = format!("o a\n{face}{steel_twice}o b\n{face}{face}");
+        let four =
+            vec![of("a", 0, ""), of("a", 1, "steel"), of("a", 2, "oak"), of("b", 0, "steel")];
+        assert_eq!(parts(&chairs), (four, vec![0, 1, 2, 1, 3, 3]));
     }
 
     #[test]

@@ -218,9 +218,10 @@ pub fn read_scene(path: impl AsRef<Path>) -> Result<Vec<SceneMesh>, Error> {
         return parse_scene(&bytes, path.parent().into())
             .map_err(|reason| Error::file(path, reason));
     }
-    let MeshFile { mesh, notes, .. } = read_mesh(path)?;
+    let MeshFile { mesh, parts, notes, .. } = read_mesh(path)?;
     let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    Ok(vec![SceneMesh { name, index: None, mesh, extras: None, nodes: Vec::new(), notes }])
+    let nodes = Vec::new();
+    Ok(vec![SceneMesh { name, index: None, mesh, parts, extras: None, nodes, notes }])
 }
 
 /// Reads the meshes of a glTF or GLB file that is already in memory, as [`read_scene`].

@@ -146,6 +146,8 @@ impl MergeTree {
             verified: None,
             mass_properties: None,
             hulls: Vec::new(),
+            parts: Vec::new(),
+            part_shares: Vec::new(),
         };
         Ok(Self { tree, leaves: hulls.to_vec(), normalization, uncovered, file })
     }

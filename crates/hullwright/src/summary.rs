@@ -300,7 +300,7 @@ impl Display for Distances {
     }
 }
 
-/// A row for each figure.
+/// A row for each figure, and for each part that hulls are made of.
 impl Display for HullsFile {
     fn fmt(&self, formatter: &mut Formatter<'_>) -> fmt::Result {
         let length = |value: f64| percentage(value, self.diagonal);
@@ -327,8 +327,26 @@ impl Display for HullsFile {
             rows.push(("centre of mass", point(properties.centre)));
         }
         formatter.write_str(&pairs(&rows))?;
-        self.exceeded_bound().iter().try_for_each(|line| write!(formatter, "\n{line}"))
+        self.exceeded_bound().iter().try_for_each(|line| write!(formatter, "\n{line}"))?;
+        match self.parts.is_empty() {
+            true => Ok(()),
+            false => write!(formatter, "\n\n{}", columns(&parts(self))),
+        }
     }
+}
+
+/// A row for each part of the mesh, with how many hulls are made of it more than of others.
+fn parts(file: &HullsFile) -> Vec<[String; 4]> {
+    let mut hulls = vec![0_usize; file.parts.len()];
+    for most in file.part_shares.iter().filter_map(|shares| shares.first()) {
+        hulls.get_mut(most.part as usize).into_iter().for_each(|hulls| *hulls += 1);
+    }
+    let header = ["hulls mostly of", "mesh", "primitive", "material"].map(String::from);
+    let rows = file.parts.iter().zip(hulls).map(|(part, hulls)| {
+        let primitive = part.primitive.to_string();
+        [hulls.to_string(), part.mesh.clone(), primitive, part.material.clone()]
+    });
+    std::iter::once(header).chain(rows).collect()
 }
 
 /// A row for each mesh, and below them a line for each exceeded bound.

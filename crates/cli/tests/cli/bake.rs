@@ -4,6 +4,7 @@ use std::path::Path;
 
 use hullwright::hulls_format::{HullScene, HullsFile};
 use hullwright_formats::read_own_meshes;
+use serde_json::json;
 
 use crate::{Place, asset};
 
@@ -256,6 +257,51 @@ fn what_of_a_scene_can_not_be_baked_is_named_and_the_rest_is_baked() {
     let error = place.fail(&["bake", "flat.obj", "tetrahedron.obj"], 1);
     assert!(error.contains("flat.obj, mesh `flat`"), "{error}");
     assert!(place.path("tetrahedron.hullscene").exists());
+}
+
+/// A tetrahedron of wood with a floor of rubber, and one of wood beside it.
+const MATERIALS: &str = "o table\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nusemtl rubber\nf 1 3 2\n\
+                         usemtl wood\nf 1 2 4\nf 2 3 4\nf 3 1 4\n\
+                         o chair\nv 3 0 0\nv 4 0 0\nv 3 1 0\nv 3 0 1\n\
+                         f 5 7 6\nf 5 6 8\nf 6 7 8\nf 7 5 8\n";
+
+#[test]
+fn what_hulls_are_made_of_is_stored_and_shown() {
+    let place = Place::new(&[("set.obj", MATERIALS)]);
+    let line = place.json(&["decompose", "set.obj", "-o", "set.hulls"]);
+    assert_eq!(line["parts"][1], json!({ "mesh": "table", "primitive": 1, "material": "wood" }));
+    let file = HullsFile::read(place.path("set.hulls")).unwrap();
+    assert_eq!((file.hulls.len(), file.parts.len()), (2, 3));
+    for hull in 0..2 {
+        let most = &line["part_shares"][hull][0];
+        let share = file.shares(hull)[0];
+        assert_eq!(
+            (&most["part"], most["share"].as_f64().unwrap() as f32),
+            (&share.part.into(), share.share as f32)
+        );
+        assert_eq!(file.part(hull).unwrap().material, "wood");
+    }
+    let shown = place.succeed(&["inspect", "set.hulls"]);
+    let words = |line: &str| line.split_whitespace().map(String::from).collect::<Vec<_>>();
+    let lines: Vec<Vec<String>> = shown.lines().map(words).collect();
+    assert!(
+        lines.contains(&words("0 table 0 rubber")) && lines.contains(&words("1 chair 0 wood")),
+        "{shown}"
+    );
+
+    place.succeed(&["bake", "--per-mesh", "set.obj", "-o", "baked"]);
+    assert_eq!(HullsFile::read(place.path("baked/set.hulls")).unwrap().parts, file.parts);
+}
+
+#[test]
+fn a_scene_is_baked_anew_where_a_material_has_another_name() {
+    let place = Place::new(&[("set.obj", MATERIALS)]);
+    place.succeed(&["bake", "set.obj"]);
+    assert!(place.succeed(&["bake", "set.obj"]).contains("1 as before"));
+    place.write("set.obj", MATERIALS.replace("wood", "oak"));
+    assert!(!place.succeed(&["bake", "set.obj"]).contains("as before"));
+    let scene = HullScene::read(place.path("set.hullscene")).unwrap();
+    assert_eq!(scene.meshes[0].hulls.part(0).unwrap().material, "oak");
 }
 
 #[test]

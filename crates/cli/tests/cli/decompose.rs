@@ -98,6 +98,8 @@ fn json_has_the_same_keys_for_every_method() {
         "grown_hulls",
         "deadline_reached",
         "stage_seconds",
+        "parts",
+        "part_shares",
     ];
     let place = place();
     for method in ["bounded", "surface"] {

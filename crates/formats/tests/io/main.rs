@@ -5,4 +5,5 @@ mod compressed;
 mod glb;
 mod gltf;
 mod hostile;
+mod parts;
 mod writers;

@@ -2,17 +2,22 @@
 
 use std::path::Path;
 
+use super::parts::{self, MeshPart, TOO_SHORT};
 use crate::decomposition::{ALGORITHM_VERSION, Decomposition, Hull, HullErrors, Provenance};
 use crate::hull::ConvexHull;
 use crate::mass::{MassProperties, MassSource};
 use crate::method::MethodReport;
+use crate::part_shares::PartShare;
 
-/// Version of the format of `.hulls` files that is written, and the newest that is read.
-pub const FORMAT_VERSION: u32 = 1;
+/// The newest version of the format of `.hulls` files that is read. A file without parts is written
+/// in version 1, which older libraries read too.
+pub const FORMAT_VERSION: u32 = 2;
 
-/// The same of `.hullscene` files.
+const WITHOUT_PARTS: u32 = 1;
+
+/// The same of `.hullscene` files, of which those without parts are written in version 2.
 #[cfg(feature = "scene")]
-pub const SCENE_FORMAT_VERSION: u32 = 2;
+pub const SCENE_FORMAT_VERSION: u32 = 3;
 
 const MAGIC: [u8; 8] = *b"\x89HULLS\r\n";
 
@@ -48,6 +53,12 @@ pub struct HullsFile {
     /// The hulls. Which triangles of the mesh they stand for is not kept:
     /// [`source_triangles`](crate::Provenance::source_triangles) is empty.
     pub hulls: Vec<Hull>,
+    /// The parts of the mesh that the hulls are made of; empty where nobody said.
+    pub parts: Vec<MeshPart>,
+    /// For each hull its shares of the parts, of which [`part`](PartShare::part) is the index: the
+    /// largest first, adding up to 1. A hull has none where the mesh's area is no number. The list
+    /// is empty where there are no parts.
+    pub part_shares: Vec<Vec<PartShare>>,
 }
 
 /// Distances that were verified against the mesh, in its units.
@@ -143,6 +154,8 @@ impl HullsFile {
             }),
             mass_properties: None,
             hulls: hulls.iter().cloned().map(without_sources).collect(),
+            parts: Vec::new(),
+            part_shares: Vec::new(),
         }
     }
 
@@ -153,6 +166,49 @@ impl HullsFile {
         self
     }
 
+    /// The same with what the hulls are made of: the parts of the mesh, and for each hull its shares
+    /// of them, as [`part_shares`](crate::part_shares()) computes them. Shares are rounded to single
+    /// precision, as a file holds them. Of a single part each hull is wholly made, whatever the
+    /// shares are.
+    ///
+    /// ```
+    /// use hullwright::hulls_format::{HullsFile, MeshPart};
+    /// use hullwright::{Control, Parameters, decompose, part_shares};
+    ///
+    /// # let mesh = hullwright::TriangleMesh::new(
+    /// #     vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+    /// #     vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
+    /// # );
+    /// let parts = vec![MeshPart::new("rock", 0, "moss"), MeshPart::new("rock", 1, "granite")];
+    /// let made = decompose(&mesh, &Parameters::default(), &Control::new())?;
+    /// let shares = part_shares(&mesh, &[0, 1, 1, 1], &made.hulls)?;
+    /// let bytes = HullsFile::new("rock", &made).with_parts(parts, shares).to_bytes()?;
+    /// let of_a_hit = HullsFile::from_bytes(&bytes)?.part(0).map(|part| part.material.clone());
+    /// assert_eq!(of_a_hit.as_deref(), Some("granite"));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[must_use]
+    pub fn with_parts(mut self, parts: Vec<MeshPart>, shares: Vec<Vec<PartShare>>) -> Self {
+        self.part_shares = match parts.len() {
+            1 => parts::of_one_part(self.hulls.len()),
+            _ => parts::rounded(shares),
+        };
+        self.parts = parts;
+        self
+    }
+
+    /// The part that most of a hull is made of; `None` where nobody said, or for a hull that is not
+    /// there.
+    pub fn part(&self, hull: usize) -> Option<&MeshPart> {
+        self.parts.get(self.shares(hull).first()?.part as usize)
+    }
+
+    /// The shares of a hull, the largest first; none where nobody said, or for a hull that is not
+    /// there.
+    pub fn shares(&self, hull: usize) -> &[PartShare] {
+        self.part_shares.get(hull).map_or(&[], Vec::as_slice)
+    }
+
     /// Whether the library decomposes in the same way as the one that wrote the file.
     pub fn is_current(&self) -> bool {
         self.algorithm_version == ALGORITHM_VERSION
@@ -161,9 +217,13 @@ impl HullsFile {
     /// The bytes of the file. O(size).
     ///
     /// # Errors
-    /// [`HullsFileError::Invalid`] if a hull, a text or a list has more parts than 32 bits count.
+    /// [`HullsFileError::Invalid`] if a hull, a text or a list has more parts than 32 bits count, or
+    /// if shares are not what [`part_shares`](Self::part_shares) says.
     pub fn to_bytes(&self) -> Result<Vec<u8>, HullsFileError> {
-        let mut bytes = begin(MAGIC, FORMAT_VERSION, self.algorithm_version);
+        parts::check(self.parts.len(), &self.part_shares, self.hulls.len())
+            .map_err(HullsFileError::Invalid)?;
+        let version = if self.parts.is_empty() { WITHOUT_PARTS } else { FORMAT_VERSION };
+        let mut bytes = begin(MAGIC, version, self.algorithm_version);
         text(&mut bytes, &self.name)?;
         text(&mut bytes, &self.method)?;
         bytes.extend(self.source_vertices.to_le_bytes());
@@ -183,7 +243,10 @@ impl HullsFile {
         for hull in &self.hulls {
             write_hull(&mut bytes, hull)?;
         }
-
+        if !self.parts.is_empty() {
+            parts::write(&mut bytes, &self.parts, &self.part_shares)
+                .map_err(HullsFileError::Invalid)?;
+        }
         Ok(seal(bytes))
     }
 
@@ -192,8 +255,8 @@ impl HullsFile {
     /// # Errors
     /// [`HullsFileError`] says what is wrong with them.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, HullsFileError> {
-        let ([_, algorithm_version], mut reader) = open(bytes, MAGIC, FORMAT_VERSION)?;
-        let file = reader.file(algorithm_version)?;
+        let (versions, mut reader) = open(bytes, MAGIC, FORMAT_VERSION)?;
+        let file = reader.file(versions)?;
         reader.end()?;
         Ok(file)
     }
@@ -365,7 +428,7 @@ impl<'a> Reader<'a> {
         valid(self.rest.is_empty(), "there is more after the last hull")
     }
 
-    fn file(&mut self, algorithm_version: u32) -> Read<HullsFile> {
+    fn file(&mut self, [format, algorithm_version]: [u32; 2]) -> Read<HullsFile> {
         let name = self.text()?;
         let method = self.text()?;
         let source_vertices = self.u64()?;
@@ -381,6 +444,10 @@ impl<'a> Reader<'a> {
         let mass_properties = self.optional(Self::mass)?;
         let count = self.count(LEAST_HULL)?;
         let hulls = (0..count).map(|_| self.hull()).collect::<Read<_>>()?;
+        let (parts, part_shares) = match format {
+            WITHOUT_PARTS => (Vec::new(), Vec::new()),
+            _ => parts::read(&mut self.rest, count).map_err(HullsFileError::Invalid)?,
+        };
         Ok(HullsFile {
             name,
             algorithm_version,
@@ -392,6 +459,8 @@ impl<'a> Reader<'a> {
             verified,
             mass_properties,
             hulls,
+            parts,
+            part_shares,
         })
     }
 
@@ -513,8 +582,6 @@ impl<'a> Reader<'a> {
     }
 }
 
-const TOO_SHORT: &str = "it counts more than it holds";
-
 #[cfg(test)]
 mod tests {
     use std::sync::LazyLock;
@@ -551,6 +618,13 @@ mod tests {
         file
     }
 
+    /// A hull of two parts, and one of the second part; the end of the body is about them.
+    fn with_parts() -> HullsFile {
+        let share = |part: u32, share: f64| PartShare { part, share };
+        let parts = vec![MeshPart::new("bars", 0, "steel"), MeshPart::new("", 300, "")];
+        full().with_parts(parts, vec![vec![share(1, 0.75), share(0, 0.25)], vec![share(1, 1.0)]])
+    }
+
     /// The bytes with a checksum that matches, so that the reader goes on to the body.
     fn sealed(mut bytes: Vec<u8>) -> Vec<u8> {
         let end = bytes.len() - CHECKSUM;
@@ -577,6 +651,107 @@ mod tests {
         (bare.bound, bare.verified, bare.mass_properties) = (None, None, None);
         bare.hulls.clear();
         assert_eq!(HullsFile::from_bytes(&bare.to_bytes().unwrap()), Ok(bare));
+    }
+
+    #[test]
+    fn what_hulls_are_made_of_is_written_and_read_again_exactly() {
+        let file = with_parts();
+        let bytes = file.to_bytes().unwrap();
+        assert!(bytes.starts_with(b"\x89HULLS\r\n\x02\0\0\0"));
+        let before = full().to_bytes().unwrap().len() - CHECKSUM;
+        let end = [
+            &b"\x02\x04bars\0\x05steel\0\xAC\x02\0\x02\x01"[..],
+            &0.75_f32.to_le_bytes(),
+            b"\0",
+            &0.25_f32.to_le_bytes(),
+            b"\x01\x01",
+        ];
+        assert_eq!(bytes[before..bytes.len() - CHECKSUM], end.concat());
+        let read = HullsFile::from_bytes(&bytes).unwrap();
+        assert_eq!(read, file);
+        assert_eq!(read.part(0), Some(&MeshPart::new("", 300, "")));
+        assert_eq!(read.shares(0)[1], PartShare { part: 0, share: 0.25 });
+        assert_eq!((read.part(2), read.shares(2)), (None, &[][..]));
+        assert_eq!((full().part(0), full().shares(0)), (None, &[][..]));
+    }
+
+    #[test]
+    fn shares_that_single_precision_cannot_hold_are_rounded_before_they_are_written() {
+        let share = |part: u32, share: f64| PartShare { part, share };
+        let parts = ["a", "b", "c"].map(|name| MeshPart::new(name, 0, "")).to_vec();
+        let thirds = vec![share(2, 1.0 / 3.0), share(0, 1.0 / 3.0), share(1, 1.0 / 3.0)];
+        let file = full().with_parts(parts, vec![thirds, vec![share(1, 1.0), share(0, 1e-60)]]);
+        assert_eq!(file.shares(1), [share(1, 1.0)]);
+        assert_eq!(HullsFile::from_bytes(&file.to_bytes().unwrap()), Ok(file));
+    }
+
+    #[test]
+    fn a_single_part_costs_its_names_and_is_all_of_each_hull() {
+        let file = full().with_parts(vec![MeshPart::new("bars", 0, "steel")], Vec::new());
+        let whole = [PartShare { part: 0, share: 1.0 }];
+        assert_eq!((file.shares(0), file.shares(1)), (&whole[..], &whole[..]));
+        let bytes = file.to_bytes().unwrap();
+        assert_eq!(bytes.len(), full().to_bytes().unwrap().len() + 4 + "barssteel".len());
+        assert_eq!(HullsFile::from_bytes(&bytes), Ok(file));
+    }
+
+    #[test]
+    fn shares_that_mean_nothing_are_neither_written_nor_read() {
+        let file = with_parts();
+        let refused = |change: &dyn Fn(&mut HullsFile)| {
+            let mut file = file.clone();
+            change(&mut file);
+            file.to_bytes().unwrap_err().to_string()
+        };
+        assert!(refused(&|file| drop(file.part_shares.pop())).contains("one list of shares"));
+        assert!(refused(&|file| file.parts.clear()).contains("one list of shares"));
+        assert!(refused(&|file| file.part_shares[0][0].part = 2).contains("not there"));
+        assert!(refused(&|file| file.part_shares[0].reverse()).contains("largest"));
+        assert!(refused(&|file| file.part_shares[1][0].share = 0.5).contains("add up to 1"));
+
+        let bytes = file.to_bytes().unwrap();
+        let end = bytes.len() - CHECKSUM;
+        let start = full().to_bytes().unwrap().len() - CHECKSUM;
+        let first_hull = end - 13;
+        let too_many = [0xFF, 0xFF, 0xFF, 0xFF, 0x0F];
+        for (at, value, why) in [
+            (end - 1, &[2][..], "a part that is not there"),
+            (first_hull + 1, &[7], "a part that is not there"),
+            (first_hull + 2, &f32::NAN.to_le_bytes(), "above 0 and at most 1"),
+            (first_hull + 2, &f32::INFINITY.to_le_bytes(), "above 0 and at most 1"),
+            (first_hull + 2, &1.5_f32.to_le_bytes(), "above 0 and at most 1"),
+            (first_hull + 7, &0.0_f32.to_le_bytes(), "above 0 and at most 1"),
+            (first_hull + 7, &0.251_f32.to_le_bytes(), "add up to 1"),
+            (first_hull + 7, &0.9_f32.to_le_bytes(), "largest"),
+            (first_hull, &too_many, "more than it holds"),
+            (first_hull, &[1], "more after"),
+            (start, &too_many, "more than it holds"),
+            (start, &[3], "more than it holds"),
+            (start, &[1], "more after"),
+            (start, &[0], "more after"),
+            (start + 1, &too_many, "more than it holds"),
+            (start + 2, &[0xFF], "UTF-8"),
+            (start, &[0xFF; 5], "more than 32 bits"),
+            (start, &[0x80; 5], "more than 32 bits"),
+        ] {
+            let mut bytes = bytes.clone();
+            bytes[at..at + value.len()].copy_from_slice(value);
+            let result = HullsFile::from_bytes(&sealed(bytes));
+            let is_refused =
+                matches!(result, Err(HullsFileError::Invalid(what)) if what.contains(why));
+            assert!(is_refused, "{why} at {at}: {result:?}");
+        }
+    }
+
+    #[test]
+    fn every_cut_of_what_hulls_are_made_of_is_noticed() {
+        let bytes = with_parts().to_bytes().unwrap();
+        let start = full().to_bytes().unwrap().len() - CHECKSUM;
+        for length in start..bytes.len() - CHECKSUM {
+            let mut short = [&bytes[..length], &[0; CHECKSUM]].concat();
+            short[HEADER - 8..HEADER].copy_from_slice(&((length - HEADER) as u64).to_le_bytes());
+            assert!(HullsFile::from_bytes(&sealed(short)).is_err(), "{length}");
+        }
     }
 
     #[test]
@@ -712,12 +887,14 @@ mod tests {
         fn false_bytes_with_a_good_checksum_are_a_sound_file_or_an_error(
             changes in prop::collection::vec((HEADER..1000_usize, any::<u8>()), 1..8),
         ) {
-            let mut bytes = full().to_bytes().unwrap();
+            let mut bytes = with_parts().to_bytes().unwrap();
             for (at, value) in changes {
                 let at = at.min(bytes.len() - CHECKSUM - 1);
                 bytes[at] = value;
             }
             if let Ok(file) = HullsFile::from_bytes(&sealed(bytes)) {
+                let mut hulls = 0..file.hulls.len();
+                prop_assert!(hulls.all(|hull| file.part(hull).is_none() == file.shares(hull).is_empty()));
                 for hull in &file.hulls {
                     prop_assert!(hull.shape.points.iter().flatten().all(|x| x.is_finite()));
                     let count = hull.shape.points.len() as u32;

@@ -1,5 +1,7 @@
 //! `.hulls`: a decomposition in a file, so that a game decomposes nothing when it starts.
 //!
+//! [`HullsFile::part`] says which primitive of the mesh, and so which material, a hull is made of.
+//!
 //! Binary, little endian, versioned and checksummed:
 //!
 //! | bytes | what |
@@ -25,6 +27,16 @@
 //! | number of hulls | `u32` |
 //! | per hull: component `u32`; volume, added thickness, simplification growth `f64`; verified protrusion, optional `f64`; number of points, number of triangles `u32`; points; triangles | |
 //!
+//! Since version 2 a file may say what its hulls are made of. One that does not is written in
+//! version 1, without this end of the body. A number is LEB128 of at most 32 bits here, a text its
+//! length (a number) and UTF-8:
+//!
+//! | what | type |
+//! |---|---|
+//! | number of parts of the mesh | number |
+//! | per part: name of the mesh, number of the primitive, name of the material | text, number, text |
+//! | per hull, if there are several parts: number of shares; per share, the largest first: part, and if the hull has several, the share in single precision | numbers, shares `f32` |
+//!
 //! A `.hullscene` file ([`HullScene`], feature `scene`) holds all meshes of a scene. It has the
 //! same header with other first bytes (`89 48 55 4C 53 43 0D 0A`) and this body:
 //!
@@ -36,12 +48,14 @@
 //! | since version 2 number of meshes with triangles | `u32` |
 //! | per such mesh: indices of glTF meshes, as above; number of points, points of three `f32`; number of corners, corners (indices of points), three in succession a triangle | `u32` each |
 //!
-//! It has a suffix of its own since engines choose the type of an asset by it.
+//! It has version 3 where one of its `.hulls` files has version 2, and else version 2. Its suffix is
+//! its own since engines choose the type of an asset by it.
 //!
 //! Reading promises: no panic on any bytes, no allocation that the file's size does not justify,
 //! and nothing out of range in what is returned: indices name points, numbers are finite.
 
 mod file;
+mod parts;
 #[cfg(feature = "scene")]
 mod scene;
 
@@ -49,5 +63,6 @@ mod scene;
 pub use file::SCENE_FORMAT_VERSION;
 pub(crate) use file::without_sources;
 pub use file::{FORMAT_VERSION, HullsFile, HullsFileError, VerifiedErrors};
+pub use parts::MeshPart;
 #[cfg(feature = "scene")]
 pub use scene::{BakedMesh, BakedTriangles, HullScene, MeshHash, SceneLookup};

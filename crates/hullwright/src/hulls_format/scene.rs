@@ -14,6 +14,10 @@ use crate::decomposition::ALGORITHM_VERSION;
 use crate::geometry::MeshView;
 use crate::method::Method;
 
+/// Version 3 is as this one, but what it holds of a mesh may say what its hulls are made of: a
+/// library that can't read that should say so of the whole file.
+const WITHOUT_PARTS: u32 = 2;
+
 /// Hash of the corners of a mesh's triangles, in single precision, in the file's order.
 ///
 /// It does not depend on how vertices are shared, numbered or left over, nor on the corner that a
@@ -272,9 +276,12 @@ impl HullScene {
     /// The bytes of the file. O(size).
     ///
     /// # Errors
-    /// [`HullsFileError::Invalid`] if a text or a list has more parts than 32 bits count.
+    /// [`HullsFileError::Invalid`] if a text or a list has more parts than 32 bits count, and that of
+    /// [`HullsFile::to_bytes`].
     pub fn to_bytes(&self) -> Result<Vec<u8>, HullsFileError> {
-        let mut bytes = begin(SCENE_MAGIC, SCENE_FORMAT_VERSION, ALGORITHM_VERSION);
+        let has_parts = self.meshes.iter().any(|baked| !baked.hulls.parts.is_empty());
+        let version = if has_parts { SCENE_FORMAT_VERSION } else { WITHOUT_PARTS };
+        let mut bytes = begin(SCENE_MAGIC, version, ALGORITHM_VERSION);
         text(&mut bytes, &self.name)?;
         count(&mut bytes, self.meshes.len())?;
         for baked in &self.meshes {
@@ -408,6 +415,7 @@ mod tests {
     use crate::control::Control;
     use crate::decompose::decompose;
     use crate::hulls_format::file::{CHECKSUM, HEADER};
+    use crate::hulls_format::parts::MeshPart;
     use crate::mesh::TriangleMesh;
     use crate::mesh::shapes::cuboid;
     use crate::parameters::{Length, Parameters};
@@ -450,6 +458,19 @@ mod tests {
         assert_eq!(HullScene::from_bytes(&bytes), Ok(scene));
         let empty = HullScene::new("", Vec::new());
         assert_eq!(HullScene::from_bytes(&empty.to_bytes().unwrap()), Ok(empty));
+    }
+
+    #[test]
+    fn a_scene_whose_hulls_know_their_parts_is_of_a_version_that_older_libraries_refuse_as_newer() {
+        let mut scene = scene();
+        let hulls = scene.meshes[1].hulls.clone();
+        let part = MeshPart::new("bar 3", 0, "steel");
+        scene.meshes[1].hulls = hulls.with_parts(vec![part.clone()], Vec::new());
+        let bytes = scene.to_bytes().unwrap();
+        assert!(bytes.starts_with(b"\x89HULSC\r\n\x03\0\0\0"));
+        let read = HullScene::from_bytes(&bytes).unwrap();
+        assert_eq!(read.meshes[1].hulls.part(0), Some(&part));
+        assert_eq!(read, scene);
     }
 
     #[test]

@@ -10,3 +10,4 @@ mod documents;
 mod limits;
 mod mass_reference;
 mod measure;
+mod old_files;
