@@ -2,7 +2,9 @@
 
 use bevy::prelude::*;
 use bevy_hullwright::prelude::*;
-use bevy_hullwright::subshape_at;
+use bevy_hullwright::{subshape_at, triangle_mesh};
+use hullwright::hulls_format::{BakedMesh, HullScene, HullsFile, MeshPart};
+use hullwright::{Control, Parameters, TriangleMesh, decompose, mass_properties, part_shares};
 
 use crate::app::*;
 use crate::engine::{FIXED, below, shape};
@@ -148,4 +150,49 @@ fn with_its_collider_an_entity_loses_its_parts() {
     app.update();
     let has_parts = app.world().get::<ColliderParts>(entity).is_some();
     assert_eq!(has_parts, has_collider(&app, entity));
+}
+
+/// A file of two cubes, whose meshes are called ice and wood.
+fn baked_cubes() -> HullScene {
+    let meshes = AT.map(|x| cuboid([x, 0.0, 0.0], [x + 1.0, 1.0, 1.0]));
+    let mut whole = TriangleMesh::default();
+    let mut of_triangles = Vec::new();
+    for (part, mesh) in (0..).zip(&meshes) {
+        let TriangleMesh { positions, triangles, .. } = triangle_mesh(mesh).unwrap();
+        let first = whole.positions.len() as u32;
+        of_triangles.extend(triangles.iter().map(|_| part));
+        whole.triangles.extend(triangles.iter().map(|triangle| triangle.map(|at| at + first)));
+        whole.positions.extend(positions);
+    }
+    let made = decompose(&whole, &Parameters::default(), &Control::new()).unwrap();
+    let mass = mass_properties(&whole, &made.hulls, 1.0).unwrap();
+    let shares = part_shares(&whole, &of_triangles, &made.hulls).unwrap();
+    let parts = ["ice", "wood"].map(|material| MeshPart::new("crate", 0, material)).to_vec();
+    let file = HullsFile::new("crate", &made).with_mass_properties(mass).with_parts(parts, shares);
+    let baked = BakedMesh::new(&whole, Parameters::default(), file);
+    HullScene::from_bytes(&HullScene::new("crates", vec![baked]).to_bytes().unwrap()).unwrap()
+}
+
+#[test]
+fn baked_hulls_lead_to_meshes_and_name_materials_also_without_any_mesh() {
+    let mut app = app();
+    let scene =
+        app.world_mut().resource_mut::<Assets<BakedScene>>().add(BakedScene::new(baked_cubes()));
+    let of_file = BakedDecomposition::new(scene.clone());
+    let meshes = cubes(&mut app);
+    let (whole, of_whole) = spawn_parts(&mut app, of_file.clone(), &meshes);
+    let (tagged, of_tagged) = spawn_parts(&mut app, (tag(), FromBakedScene(scene)), &meshes);
+    let alone = app.put(of_file);
+    update_until_finished(&mut app, &[whole, tagged, alone]);
+    assert_hulls_lead_to(&app, whole, &of_whole);
+    assert_eq!(status(&app, tagged), DecompositionStatus::Ready(HullSource::Baked));
+    assert_hulls_lead_to(&app, tagged, &of_tagged);
+    for entity in [whole, tagged, alone] {
+        for (index, hull) in (0..).zip(&hulls(&app, entity)) {
+            let expected = if hull[0].x > 2.0 { "wood" } else { "ice" };
+            assert_eq!(parts(&app, entity).baked_part(index).unwrap().material, expected);
+        }
+        assert_eq!(parts(&app, entity).baked_part(2), None);
+    }
+    assert_eq!(parts(&app, alone).part(0), None);
 }

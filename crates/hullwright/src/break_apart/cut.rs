@@ -14,6 +14,8 @@ use crate::geometry::vector::{Vector, area_normal};
 pub(super) enum Origin {
     /// Part of this triangle of the mesh.
     Source(u32),
+    /// Part of what would close an opening of the mesh, and is not drawn.
+    Opening,
     /// Part of what closes this cut.
     Cut(u32),
 }

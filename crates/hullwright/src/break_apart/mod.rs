@@ -23,6 +23,8 @@ use crate::geometry::{MeshView, TriangleMesh};
 use crate::hull::{ConvexHull, HullBuilder, MINIMUM_THICKNESS, most_prominent, solid_hull};
 use crate::mesh::adjacency::{Connectivity, SortedHalfEdges};
 use crate::mesh::weld::weld;
+use crate::openings::close_openings;
+use crate::parameters::Parameters;
 
 /// A part of a mesh that was broken apart.
 #[non_exhaustive]
@@ -76,9 +78,9 @@ const SIZE: f64 = 0.99;
 /// Planes divide the hulls until each is alone; each lies in the middle of where two hulls overlap,
 /// and of all such planes the one comes first that reaches least deep into hulls. So space is
 /// shared out where hulls overlap, and the same planes come of hulls that differ a little. The mesh
-/// is cut by them. Cuts are closed, for each closed part of the mesh on its own; where the mesh is
-/// open, so are its fragments. Triangles of all fragments together have the area of the mesh, and closed
-/// fragments its volume.
+/// is cut by them. Cuts are closed, for each connected part of the mesh on its own, also of an open
+/// mesh where [`openings`](crate::openings) take it for solid; openings stay open. Triangles of all
+/// fragments together have the area of the mesh, and closed fragments its volume.
 ///
 /// ```
 /// use hullwright::{Control, Parameters, TriangleMesh, break_apart, decompose};
@@ -184,23 +186,29 @@ fn prepare(mesh: MeshView<'_>, control: &Control) -> Result<(Cutter, Vec<Face>),
             return Err(Error::IndexOutOfRange { triangle, index, vertices });
         }
     }
-    let points: Vec<Vector> = mesh.points().collect();
+    let mut points: Vec<Vector> = mesh.points().collect();
+    let caps = caps(mesh, control)?;
+    points.extend(caps.iter().flatten());
     let (min, max) = bounds(points.iter().copied().filter(|point| point.is_finite()));
     let diagonal = min.distance(max);
     let scale = if diagonal > 0.0 && diagonal.is_finite() { diagonal.recip() } else { 1.0 };
     let middle = (min + max) / 2.0;
     let normalised: Vec<Vector> = points.iter().map(|&point| (point - middle) * scale).collect();
     let welded = weld(&normalised, control)?;
-    let mut faces = Vec::with_capacity(mesh.triangles().len());
-    for (triangle, corners) in (0..).zip(mesh.triangles()) {
+    let mut faces = Vec::with_capacity(mesh.triangles().len() + caps.len());
+    let sources = (0..).zip(mesh.triangles()).map(|(at, of)| (*of, Origin::Source(at)));
+    let first = vertices as u32;
+    let of_caps = (0..caps.len() as u32).map(|cap| [0, 1, 2].map(|k| first + 3 * cap + k));
+    for (corners, origin) in sources.chain(of_caps.map(|corners| (corners, Origin::Opening))) {
         let corners = corners.map(|corner| welded[corner as usize]);
         let [a, b, c] = corners;
         let is_finite = corners.iter().all(|&corner| points[corner as usize].is_finite());
         if is_finite && a != b && b != c && c != a {
-            faces.push(Face { corners, origin: Origin::Source(triangle) });
+            faces.push(Face { corners, origin });
         }
     }
     let corners: Vec<[u32; 3]> = faces.iter().map(|face| face.corners).collect();
+    let vertices = points.len();
     let mut components = vec![0; vertices];
     let half_edges = SortedHalfEdges::new(&corners, vertices);
     let connectivity = Connectivity::of(&corners, &half_edges);
@@ -211,6 +219,24 @@ fn prepare(mesh: MeshView<'_>, control: &Control) -> Result<(Cutter, Vec<Face>),
     let (tolerance, thinnest) = (IN_PLANE * diagonal, MINIMUM_THICKNESS * diagonal);
     let is_inside_out = volume < 0.0;
     Ok((Cutter { points, components, welded, tolerance, thinnest, is_inside_out, cuts: 0 }, faces))
+}
+
+/// What closes the openings of a mesh that has some, where [`decompose`](crate::decompose()) takes
+/// it for solid: so cuts go through the solid, and not through its surface alone.
+fn caps(mesh: MeshView<'_>, control: &Control) -> Result<Vec<[Vector; 3]>, Error> {
+    let faces: Vec<Face> = (0..)
+        .zip(mesh.triangles())
+        .map(|(at, corners)| Face { corners: *corners, origin: Origin::Source(at) })
+        .collect();
+    if faces.is_empty() || is_closed(&faces) {
+        return Ok(Vec::new());
+    }
+    let closed = close_openings(mesh, &Parameters::default(), control)?;
+    let surface = closed.mesh.triangles.len().saturating_sub(closed.caps);
+    let corners = |triangle: &[u32; 3]| {
+        triangle.map(|corner| Vector::from(closed.mesh.positions[corner as usize]))
+    };
+    Ok(closed.mesh.triangles[surface..].iter().map(corners).collect())
 }
 
 /// Whether each edge has as many faces on the one side as on the other.
@@ -289,6 +315,7 @@ impl Cutter {
                     fragment.triangles.push(corners);
                     fragment.source_triangles.push(triangle);
                 }
+                Origin::Opening => {}
                 Origin::Cut(cut) => {
                     let positions = &mut fragment.cut_faces.positions;
                     let corners = corners.map(|corner| {

@@ -159,6 +159,28 @@ fn hulls_of_one_group_are_one_piece_without_cuts_between_them() {
 }
 
 #[test]
+fn an_open_mesh_that_counts_as_solid_has_whole_cuts_and_stays_open() {
+    // Two boxes in a row without an underside, as one.
+    let mut mesh = cuboid([0.0; 3], [2.0, 1.0, 1.0]);
+    let is_below = |triangle: &[u32; 3]| {
+        triangle.iter().all(|&corner| mesh.positions[corner as usize][2] == 0.0)
+    };
+    let open: Vec<[u32; 3]> =
+        mesh.triangles.iter().copied().filter(|triangle| !is_below(triangle)).collect();
+    assert_eq!(open.len(), 10);
+    mesh.triangles = open;
+    let hulls: Vec<Hull> = [0.0, 1.0]
+        .map(|x| convex_hull(&cuboid([x, 0.0, 0.0], [x + 1.0, 1.0, 1.0]).positions).unwrap().into())
+        .to_vec();
+    for fragment in fragments(&mesh, &hulls) {
+        let TriangleMesh { positions, triangles, .. } = &fragment.cut_faces;
+        assert!((area(positions, triangles) - 1.0).abs() < 1e-9);
+        assert_eq!(open_edges(&whole(&fragment)), 4);
+        assert!((fragment.volume - 1.0).abs() < 1e-9);
+    }
+}
+
+#[test]
 fn overlaps_are_shared_out_in_their_middle() {
     let mesh = cuboid([0.0; 3], [2.0, 1.0, 1.0]);
     let hulls: Vec<Hull> = [[0.0, 1.4], [0.8, 2.0]]
