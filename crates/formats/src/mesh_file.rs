@@ -171,8 +171,8 @@ pub struct MeshParts {
 
 impl MeshParts {
     /// What hulls of the mesh are made of, for
-    /// [`HullsFile::with_parts`](hullwright::hulls_format::HullsFile::with_parts); empty where there
-    /// are no parts. Costs are those of [`part_shares`](hullwright::part_shares()).
+    /// [`HullsFile::with_parts`](hullwright::hulls_format::HullsFile::with_parts); empty where
+    /// there are no parts. Costs are those of [`part_shares`](hullwright::part_shares()).
     ///
     /// # Errors
     /// As [`part_shares`](hullwright::part_shares()), for another mesh.

@@ -42,7 +42,10 @@ fn boxes() -> (Value, Vec<u8>) {
         json!({ "bufferView": 0, "componentType": 5126, "count": positions.len(), "type": "VEC3" }),
     ];
     for count in counts {
-        accessors.push(json!({ "bufferView": 1, "byteOffset": offset, "componentType": 5123, "count": 3 * count, "type": "SCALAR" }));
+        accessors.push(json!({
+            "bufferView": 1, "byteOffset": offset, "componentType": 5123, "count": 3 * count,
+            "type": "SCALAR",
+        }));
         offset += 6 * count;
     }
     let primitive = |indices: u32, material: u32| json!({ "attributes": { "POSITION": 0 }, "indices": indices, "material": material });
@@ -119,7 +122,8 @@ fn hulls_of_a_gltf_file_know_their_primitives_and_materials() {
 #[test]
 fn a_mesh_that_is_placed_many_times_has_its_parts_once() {
     let (mut document, chunk) = boxes();
-    document["nodes"] = json!([{ "mesh": 1 }, { "mesh": 0 }, { "mesh": 1, "translation": [0, 0, 9], "scale": [1, 1, -1] }]);
+    let mirrored = json!({ "mesh": 1, "translation": [0, 0, 9], "scale": [1, 1, -1] });
+    document["nodes"] = json!([{ "mesh": 1 }, { "mesh": 0 }, mirrored]);
     let file = read(&(document, chunk));
     assert_eq!(file.parts.list, [oak(), steel(), rubber()]);
     assert_eq!(file.parts.of_triangles[24..], [0; 12]);

@@ -166,10 +166,11 @@ impl HullsFile {
         self
     }
 
-    /// The same with what the hulls are made of: the parts of the mesh, and for each hull its shares
-    /// of them, as [`part_shares`](crate::part_shares()) computes them. Shares are rounded to single
-    /// precision, as a file holds them. Of a single part each hull is wholly made, whatever the
-    /// shares are.
+    /// The same with what the hulls are made of: the parts of the mesh, and for each hull its
+    /// shares of them, as [`part_shares`](crate::part_shares()) computes them. O(shares).
+    ///
+    /// Shares are rounded to single precision, as a file holds them. Of a single part each hull is
+    /// wholly made, whatever the shares are.
     ///
     /// ```
     /// use hullwright::hulls_format::{HullsFile, MeshPart};
@@ -217,8 +218,8 @@ impl HullsFile {
     /// The bytes of the file. O(size).
     ///
     /// # Errors
-    /// [`HullsFileError::Invalid`] if a hull, a text or a list has more parts than 32 bits count, or
-    /// if shares are not what [`part_shares`](Self::part_shares) says.
+    /// [`HullsFileError::Invalid`] if a hull, a text or a list has more parts than 32 bits count,
+    /// or if shares are not what [`part_shares`](Self::part_shares) says.
     pub fn to_bytes(&self) -> Result<Vec<u8>, HullsFileError> {
         parts::check(self.parts.len(), &self.part_shares, self.hulls.len())
             .map_err(HullsFileError::Invalid)?;
@@ -893,8 +894,9 @@ mod tests {
                 bytes[at] = value;
             }
             if let Ok(file) = HullsFile::from_bytes(&sealed(bytes)) {
-                let mut hulls = 0..file.hulls.len();
-                prop_assert!(hulls.all(|hull| file.part(hull).is_none() == file.shares(hull).is_empty()));
+                for hull in 0..file.hulls.len() {
+                    prop_assert_eq!(file.part(hull).is_none(), file.shares(hull).is_empty());
+                }
                 for hull in &file.hulls {
                     prop_assert!(hull.shape.points.iter().flatten().all(|x| x.is_finite()));
                     let count = hull.shape.points.len() as u32;

@@ -48,8 +48,8 @@
 //! | since version 2 number of meshes with triangles | `u32` |
 //! | per such mesh: indices of glTF meshes, as above; number of points, points of three `f32`; number of corners, corners (indices of points), three in succession a triangle | `u32` each |
 //!
-//! It has version 3 where one of its `.hulls` files has version 2, and else version 2. Its suffix is
-//! its own since engines choose the type of an asset by it.
+//! It has version 3 where one of its `.hulls` files has version 2, and else version 2. It has a
+//! suffix of its own since engines choose the type of an asset by it.
 //!
 //! Reading promises: no panic on any bytes, no allocation that the file's size does not justify,
 //! and nothing out of range in what is returned: indices name points, numbers are finite.

@@ -276,8 +276,8 @@ impl HullScene {
     /// The bytes of the file. O(size).
     ///
     /// # Errors
-    /// [`HullsFileError::Invalid`] if a text or a list has more parts than 32 bits count, and that of
-    /// [`HullsFile::to_bytes`].
+    /// [`HullsFileError::Invalid`] if a text or a list has more parts than 32 bits count, and that
+    /// of [`HullsFile::to_bytes`].
     pub fn to_bytes(&self) -> Result<Vec<u8>, HullsFileError> {
         let has_parts = self.meshes.iter().any(|baked| !baked.hulls.parts.is_empty());
         let version = if has_parts { SCENE_FORMAT_VERSION } else { WITHOUT_PARTS };
