@@ -356,7 +356,7 @@ const LOOK_UPS: u32 = 1_000_000;
 const MOST_SUBSHAPES: u32 = 64;
 
 fn breaking() {
-    for number in 0..MODELS.len() {
+    for (number, name) in MODELS.iter().enumerate() {
         let mut times: Vec<Duration> = (0..BROKEN)
             .map(|_| {
                 let mut app = app_with_bodies();
@@ -373,7 +373,7 @@ fn breaking() {
             })
             .collect();
         let each = microseconds(median(&mut times)) / 1e3;
-        println!("breaking: {} into a body for each hull in {each:.2} ms", MODELS[number]);
+        println!("breaking: {name} into a body for each hull in {each:.2} ms");
     }
 }
 

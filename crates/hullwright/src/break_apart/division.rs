@@ -70,14 +70,17 @@ impl<'a> Division<'a> {
         let hulls: Vec<Solid> = hulls.iter().map(|hull| Solid::new(hull)).collect();
         let boxes: Vec<(Vector, Vector)> =
             hulls.iter().map(|hull| bounds(hull.points.iter().copied())).collect();
-        let mut planes = Vec::new();
-        for first in 0..hulls.len() {
+        let mut pairs = BTreeSet::new();
+        for hull in 0..hulls.len() {
+            let pair = |other: usize| (hull.min(other), hull.max(other));
+            pairs.extend(neighbours(hull, &boxes, &hulls).into_iter().map(pair));
+        }
+        let mut planes = Vec::with_capacity(pairs.len());
+        for (first, second) in pairs {
             control.check()?;
-            for second in neighbours(first, &boxes, &hulls) {
-                let Some(plane) = between(&hulls[first], &hulls[second]) else { continue };
-                let above = hulls.iter().map(|hull| hull.volume_above(&plane)).collect();
-                planes.push(Between { plane, first, second, above });
-            }
+            let Some(plane) = between(&hulls[first], &hulls[second]) else { continue };
+            let above = hulls.iter().map(|hull| hull.volume_above(&plane)).collect();
+            planes.push(Between { plane, first, second, above });
         }
         let volume = hulls.iter().map(|hull| hull.volume).sum();
         Ok(Self { groups, hulls, planes, volume })
@@ -215,15 +218,15 @@ fn between(first: &Solid, second: &Solid) -> Option<Plane> {
     overlaps.sort_by(|a, b| (a.0 - a.1).total_cmp(&(b.0 - b.1)));
     let mut best: Option<(f64, Plane)> = None;
     for (high, low, normal) in overlaps.into_iter().take(DIRECTIONS) {
+        if high <= low {
+            // Nothing is on the wrong side; first come those farthest apart.
+            return Some(Plane { normal, offset: (high + low) / 2.0 });
+        }
         for (offset, share) in [((high + low) / 2.0, END), (high, 1.0), (low, 1.0)] {
             let plane = Plane { normal, offset };
             let wrong = first.volume_above(&plane) + second.volume - second.volume_above(&plane);
             if best.is_none_or(|(least, _)| wrong * share < least) {
                 best = Some((wrong * share, plane));
-            }
-            // Nothing is on the wrong side of a plane between them.
-            if high <= low {
-                break;
             }
         }
     }

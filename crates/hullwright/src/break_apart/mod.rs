@@ -10,7 +10,7 @@ mod cap;
 mod cut;
 mod division;
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, HashMap, HashSet};
 
 use self::cut::{Cutter, Face, Origin};
 use self::division::Division;
@@ -233,10 +233,19 @@ fn caps(mesh: MeshView<'_>, control: &Control) -> Result<Vec<[Vector; 3]>, Error
     }
     let closed = close_openings(mesh, &Parameters::default(), control)?;
     let surface = closed.mesh.triangles.len().saturating_sub(closed.caps);
+    let (surface, outer) = closed.mesh.triangles.split_at(surface);
+    // Those within the solid, where one part is stuck into another.
+    let sorted = |triangle: &[u32; 3]| {
+        let mut corners = *triangle;
+        corners.sort_unstable();
+        corners
+    };
+    let known: HashSet<[u32; 3]> = surface.iter().chain(outer).map(sorted).collect();
+    let inner = closed.solid.iter().filter(|triangle| !known.contains(&sorted(triangle)));
     let corners = |triangle: &[u32; 3]| {
         triangle.map(|corner| Vector::from(closed.mesh.positions[corner as usize]))
     };
-    Ok(closed.mesh.triangles[surface..].iter().map(corners).collect())
+    Ok(outer.iter().chain(inner).map(corners).collect())
 }
 
 /// Whether each edge has as many faces on the one side as on the other.

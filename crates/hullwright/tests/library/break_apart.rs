@@ -61,7 +61,7 @@ fn open_edges(mesh: &TriangleMesh) -> usize {
 }
 
 #[test]
-fn pieces_of_the_bundled_models_have_their_area_and_their_volume_and_are_closed() {
+fn fragments_of_the_bundled_models_have_their_area_and_their_volume_and_are_closed() {
     let mut closed = 0;
     for (name, mesh) in bundled_models() {
         let mesh = TriangleMesh::new(mesh.positions, mesh.triangles);
@@ -120,7 +120,7 @@ fn are_apart(first: &ConvexHull, second: &ConvexHull) -> bool {
 }
 
 #[test]
-fn colliders_of_pieces_do_not_touch_each_other() {
+fn colliders_of_fragments_do_not_touch_each_other() {
     for (name, mesh) in bundled_models() {
         let hulls = decompose(&mesh, &Parameters::default(), &Control::new()).unwrap().hulls;
         let fragments = fragments(&mesh, &hulls);
@@ -139,7 +139,7 @@ fn colliders_of_pieces_do_not_touch_each_other() {
 }
 
 #[test]
-fn hulls_of_one_group_are_one_piece_without_cuts_between_them() {
+fn hulls_of_one_group_are_one_fragment_without_cuts_between_them() {
     // Three boxes in a row, as one.
     let mesh = cuboid([0.0; 3], [3.0, 1.0, 1.0]);
     let hulls: Vec<Hull> = [0.0, 1.0, 2.0]
@@ -175,7 +175,8 @@ fn an_open_mesh_that_counts_as_solid_has_whole_cuts_and_stays_open() {
     for fragment in fragments(&mesh, &hulls) {
         let TriangleMesh { positions, triangles, .. } = &fragment.cut_faces;
         assert!((area(positions, triangles) - 1.0).abs() < 1e-9);
-        assert_eq!(open_edges(&whole(&fragment)), 4);
+        // The lower edge of the cut may be in two.
+        assert!((4..=5).contains(&open_edges(&whole(&fragment))));
         assert!((fragment.volume - 1.0).abs() < 1e-9);
     }
 }
