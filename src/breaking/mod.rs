@@ -82,7 +82,8 @@ pub trait BreakApartExt {
     /// scale and dominance of its body.
     ///
     /// It takes effect at once: some milliseconds for a prop of thousands of triangles. An entity
-    /// that has no hulls yet, or triangles instead, stays as it is, and the log says so.
+    /// that has no hulls yet, or triangles instead, stays as it is, and the log says so. One that is
+    /// gone, or asked to break twice, is no error.
     fn break_apart(&mut self, grouping: HullGrouping) -> &mut Self;
 }
 
@@ -114,6 +115,7 @@ type Broken = (&'static ColliderParts, &'static AttachedCollider);
 
 fn on_break_apart<E: Engine>(
     event: On<BreakApart>,
+    all: Query<()>,
     broken: Query<Broken>,
     meshes_on: Query<&Mesh3d>,
     placements: Placements<E>,
@@ -122,6 +124,10 @@ fn on_break_apart<E: Engine>(
     mut commands: Commands,
 ) {
     let entity = event.entity;
+    // What hits two things at once may be asked to break twice.
+    if !all.contains(entity) {
+        return;
+    }
     let refuse = |why: &str| {
         log::warn!("{} can't be broken apart: {why}", descriptions.entity(entity, None));
     };

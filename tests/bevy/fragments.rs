@@ -250,6 +250,9 @@ fn hulls_of_one_part_stay_together_and_the_game_hears_of_it() {
     update_until_finished(&mut app, &[whole]);
     let of = broken(&mut app, whole, HullGrouping::EachPart);
     assert!(parts.iter().all(|part| app.world().get_entity(*part).is_err()));
+    // Twice is once.
+    app.world_mut().commands().entity(whole).break_apart(HullGrouping::EachPart);
+    app.world_mut().flush();
     assert_eq!(app.world().resource::<Heard>().0, [(whole, of.len(), true)]);
     let mut hulls: Vec<u32> =
         of.iter().flat_map(|body| app.get::<Fragment>(*body).unwrap().hulls.clone()).collect();

@@ -149,7 +149,7 @@ fn break_vases(
         let CollisionEvent::Started(first, second, _) = *hit else { continue };
         for vase in [first, second] {
             if vases.contains(vase) {
-                commands.entity(vase).remove::<Vase>().break_apart(HullGrouping::EachHull);
+                commands.entity(vase).break_apart(HullGrouping::EachHull);
             }
         }
     }
