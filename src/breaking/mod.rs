@@ -115,8 +115,7 @@ type Broken = (&'static ColliderParts, &'static AttachedCollider);
 
 fn on_break_apart<E: Engine>(
     event: On<BreakApart>,
-    all: Query<()>,
-    broken: Query<Broken>,
+    broken: Query<Option<Broken>>,
     meshes_on: Query<&Mesh3d>,
     placements: Placements<E>,
     meshes: Res<Assets<Mesh>>,
@@ -125,13 +124,11 @@ fn on_break_apart<E: Engine>(
 ) {
     let entity = event.entity;
     // What hits two things at once may be asked to break twice.
-    if !all.contains(entity) {
-        return;
-    }
+    let Ok(broken) = broken.get(entity) else { return };
     let refuse = |why: &str| {
         log::warn!("{} can't be broken apart: {why}", descriptions.entity(entity, None));
     };
-    let Ok((parts, attached)) = broken.get(entity) else {
+    let Some((parts, attached)) = broken else {
         return refuse("it has no collider of hulls yet");
     };
     let ColliderGeometry::Hulls(file, _) = parts.geometry() else {
