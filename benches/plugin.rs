@@ -352,8 +352,8 @@ fn look_up() {
 
 const LOOK_UPS: u32 = 1_000_000;
 
-/// Fewer than ten models have hulls.
-const MOST_SUBSHAPES: u32 = 64;
+/// Fewer than ten models have hulls together.
+const MOST_SUBSHAPES: u32 = 16;
 
 fn breaking() {
     for (number, name) in MODELS.iter().enumerate() {
