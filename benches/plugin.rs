@@ -323,8 +323,8 @@ fn baked_props() {
     }
 }
 
-/// From the index of a hull, or of a triangle, to the entity with its mesh: in a query by entity, as
-/// after a ray.
+/// From the index of a hull, or of a triangle, to the entity with its mesh: in a query by entity,
+/// as after a ray.
 fn look_up() {
     let (hulls, triangles) = (DecompositionShape::Hulls, DecompositionShape::Triangles);
     for (name, shape) in [("hull", hulls), ("triangle", triangles)] {

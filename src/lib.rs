@@ -56,8 +56,8 @@
 
 #![cfg_attr(docsrs, feature(doc_cfg))]
 
-// Seven concepts, each but `engine` with a plugin of its own. Imports go down this table only; what a
-// concept owns is private to it, and others use verbs on it.
+// Seven concepts, each but `engine` with a plugin of its own. Imports go down this table only; what
+// a concept owns is private to it, and others use verbs on it.
 //
 // | concept | owns, and alone writes | what |
 // |---|---|---|

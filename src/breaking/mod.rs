@@ -5,7 +5,6 @@ mod drawn;
 use std::any::TypeId;
 
 use bevy::ecs::entity::EntityHashMap;
-use bevy::math::Affine3A;
 use bevy::prelude::*;
 use hullwright::{Control, Fragment as FragmentOfMesh, break_apart};
 use hullwright_parry::parry3d::shape::SharedShape;
@@ -18,6 +17,7 @@ use crate::collider::work::AttachedCollider;
 use crate::engine::{Engine, Motion, Velocity, Weight};
 use crate::jobs::cache::ColliderGeometry;
 use crate::jobs::request::{MeshPart, read_parts};
+use crate::jobs::task::map_point;
 use crate::tag::HullGrouping;
 use crate::tag::outcomes::{DecompositionError, Descriptions};
 
@@ -31,8 +31,8 @@ pub struct BreakApart {
     pub grouping: HullGrouping,
 }
 
-/// An entity has been broken apart. Where it is triggered the entity is still there; right after, it
-/// is despawned with all its children.
+/// An entity has been broken apart. Where it is triggered the entity is still there; right after,
+/// it is despawned with all its children.
 #[derive(EntityEvent, Debug, Clone)]
 pub struct BrokenApart {
     /// The entity that had the collider.
@@ -82,8 +82,8 @@ pub trait BreakApartExt {
     /// scale and dominance of its body.
     ///
     /// It takes effect at once: some milliseconds for a prop of thousands of triangles. An entity
-    /// that has no hulls yet, or triangles instead, stays as it is, and the log says so. One that is
-    /// gone, or asked to break twice, is no error.
+    /// that has no hulls yet, or triangles instead, stays as it is, and the log says so. One that
+    /// is gone, or asked to break twice, is no error.
     fn break_apart(&mut self, grouping: HullGrouping) -> &mut Self;
 }
 
@@ -167,8 +167,10 @@ fn on_break_apart<E: Engine>(
             let translation = from_hulls.transform_point3(centre);
             let place = Transform { translation, rotation, scale: Vec3::ONE };
             let to_body = place.compute_affine().inverse() * from_hulls;
-            let hulls = fragment.colliders.iter().map(|hull| moved(&hull.points, &to_body));
-            let hulls: Vec<Vec<[f64; 3]>> = hulls.collect();
+            let moved = map_point(&to_body);
+            let hulls = fragment.colliders.iter();
+            let hulls: Vec<Vec<[f64; 3]>> =
+                hulls.map(|hull| hull.points.iter().map(|point| moved(*point)).collect()).collect();
             let shape = hullwright_parry::shape_from_points(&hulls, [1.0; 3])?;
             let drawn = draw(&fragment, &data, &of_input, &request.map_before, &to_body, &meshes);
             let mass = mass * (fragment.volume / volume) as f32;
@@ -193,14 +195,6 @@ fn middle(fragment: &FragmentOfMesh) -> Option<Vec3> {
         (sum + Vec3::from(point.map(|x| x as f32)), count + 1)
     });
     (count > 0).then(|| sum / count as f32)
-}
-
-fn moved(points: &[[f64; 3]], map: &Affine3A) -> Vec<[f64; 3]> {
-    let (linear, offset) = (map.matrix3.as_dmat3(), map.translation.as_dvec3());
-    points
-        .iter()
-        .map(|point| (linear * bevy::math::DVec3::from(*point) + offset).to_array())
-        .collect()
 }
 
 /// Puts bodies in the place of an entity.

@@ -1,5 +1,5 @@
-//! Children that have the collider of their parent, one for each hull or for each group of hulls, so
-//! that each may have a surface, events and a kind of its own.
+//! Children that have the collider of their parent, one for each hull or for each group of hulls,
+//! so that each may have a surface, events and a kind of its own.
 
 use bevy::ecs::system::EntityCommands;
 use bevy::prelude::*;
@@ -27,7 +27,8 @@ use crate::tag::HullGrouping;
 /// ) -> Result {
 ///     let part = parts.get(added.entity)?.part(0);
 ///     if part.is_some_and(|part| ice.contains(part)) {
-///         commands.entity(added.entity).insert(Friction::coefficient(0.02));
+///         let combine_rule = CoefficientCombineRule::Min;
+///         commands.entity(added.entity).insert(Friction { coefficient: 0.02, combine_rule });
 ///     }
 ///     Ok(())
 /// }
@@ -45,7 +46,7 @@ pub struct HullCollider {
 #[component(clone_behavior = Ignore)]
 pub(crate) struct ColliderInChildren;
 
-/// Which hulls are taken together, in the order of their first ones.
+/// For each hull a number that it shares with those it is taken together with.
 pub(crate) fn groups(grouping: HullGrouping, hulls: u32, parts: &ColliderParts) -> Vec<u32> {
     let group = |hull| match grouping {
         HullGrouping::EachHull => hull,

@@ -293,10 +293,10 @@ impl<E: Engine> Targets<'_, '_, E> {
             children::detach(&mut commands);
         }
         let parts = ColliderParts::new(requested.parts.clone(), built.geometry.clone());
-        let record = (AttachedCollider { requested: requested.clone() }, parts.clone());
         let is_of_hulls = matches!(*built.geometry, ColliderGeometry::Hulls(..));
         let grouping = requested.children.filter(|_| is_of_hulls);
-        let in_children = grouping.map(|grouping| (grouping, own.clone()));
+        let in_children = grouping.map(|grouping| (grouping, own.clone(), parts.clone()));
+        let record = (AttachedCollider { requested: requested.clone() }, parts);
         match in_children {
             Some(_) => {
                 E::remove_collider(&mut commands);
@@ -312,7 +312,7 @@ impl<E: Engine> Targets<'_, '_, E> {
                 givers.filter_map(|giver| self.surfaces.get(giver).ok()).collect();
             E::inherit(&own, &givers, &mut commands);
         }
-        if let Some((grouping, own)) = in_children {
+        if let Some((grouping, own, parts)) = in_children {
             let how = (grouping, requested.weight);
             split::attach::<E>(commands.commands_mut(), entity, &own, &place, &parts, how, cache)?;
         }

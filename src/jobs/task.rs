@@ -388,7 +388,8 @@ pub(crate) fn map_mass(properties: &MassProperties, map: &Affine3A) -> MassPrope
     mapped
 }
 
-fn map_point(map: &Affine3A) -> impl Fn([f64; 3]) -> [f64; 3] + use<> {
+/// Where a map puts a point.
+pub(crate) fn map_point(map: &Affine3A) -> impl Fn([f64; 3]) -> [f64; 3] + use<> {
     let (linear, offset) = (map.matrix3.as_dmat3(), map.translation.as_dvec3());
     move |point| (linear * DVec3::from(point) + offset).to_array()
 }

@@ -1,24 +1,23 @@
 //! `cargo lab pictures fragments`: meshes broken apart, and what their fragments add up to.
 
 use std::collections::HashMap;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Instant;
 
+use glam::DVec3;
 use hullwright::{Control, Fragment, Parameters, TriangleMesh, break_apart, decompose};
 use hullwright_formats::{palette, read_mesh};
 
-use crate::pictures;
-use crate::render::{Layout, Panel, Part};
+use crate::render::{Panel, Part};
+use crate::shapes::middle;
 use crate::terminal::{Failure, print};
 
 /// How far fragments are moved from the middle of all, as a multiple of their distance.
 const APART: f64 = 0.45;
 
-const PANEL: (usize, usize) = (310, 270);
-
-/// Draws each mesh, its hulls and its fragments, with what closes their cuts in red, and prints a row
-/// of numbers for each.
-pub fn draw(output: &Path, meshes: &[PathBuf]) -> Result<(), Failure> {
+/// Of each mesh a row of panels, it, its hulls and its fragments, with what closes their cuts in
+/// red; prints a row of numbers for each.
+pub fn rows(meshes: &[PathBuf]) -> Result<Vec<Vec<Panel>>, Failure> {
     print(
         "| mesh | hulls | fragments | area | volume | open edges, of the mesh and of fragments | time |",
     )?;
@@ -52,18 +51,17 @@ pub fn draw(output: &Path, meshes: &[PathBuf]) -> Result<(), Failure> {
             exploded(&mesh, &fragments),
         ]);
     }
-    pictures::write(output, rows, PANEL, Layout::default().view.elevation)
+    Ok(rows)
 }
 
 fn exploded(mesh: &TriangleMesh, fragments: &[Fragment]) -> Panel {
-    let middle = middle(&mesh.positions);
+    let whole = middle(&mesh.positions);
     let mut parts = Vec::new();
     for (index, fragment) in fragments.iter().enumerate() {
-        let own = self::middle(&surface(fragment).positions);
-        let away = [0, 1, 2].map(|axis| APART * (own[axis] - middle[axis]));
+        let away = APART * (middle(&surface(fragment).positions) - whole);
         let moved = |mut mesh: TriangleMesh| {
             for point in &mut mesh.positions {
-                *point = [0, 1, 2].map(|axis| point[axis] + away[axis]);
+                *point = (DVec3::from(*point) + away).to_array();
             }
             mesh
         };
@@ -89,32 +87,17 @@ fn whole(fragment: &Fragment) -> TriangleMesh {
     mesh
 }
 
-fn middle(points: &[[f64; 3]]) -> [f64; 3] {
-    let sum = points.iter().fold([0.0; 3], |sum: [f64; 3], point| {
-        [sum[0] + point[0], sum[1] + point[1], sum[2] + point[2]]
-    });
-    sum.map(|x| x / points.len().max(1) as f64)
-}
-
-fn corners(mesh: &TriangleMesh) -> impl Iterator<Item = [[f64; 3]; 3]> + '_ {
-    mesh.triangles.iter().map(|triangle| triangle.map(|at| mesh.positions[at as usize]))
-}
-
-fn cross([a, b, c]: [[f64; 3]; 3]) -> [f64; 3] {
-    let [u, v] = [b, c].map(|end| [0, 1, 2].map(|axis| end[axis] - a[axis]));
-    [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]]
-}
-
-fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+fn corners(mesh: &TriangleMesh) -> impl Iterator<Item = [DVec3; 3]> + '_ {
+    let corner = |at: u32| DVec3::from(mesh.positions[at as usize]);
+    mesh.triangles.iter().map(move |triangle| triangle.map(corner))
 }
 
 fn area(mesh: &TriangleMesh) -> f64 {
-    corners(mesh).map(cross).map(|normal| dot(normal, normal).sqrt() / 2.0).sum()
+    corners(mesh).map(|[a, b, c]| (b - a).cross(c - a).length() / 2.0).sum()
 }
 
 fn volume(mesh: &TriangleMesh) -> f64 {
-    corners(mesh).map(|of| dot(of[0], cross(of)) / 6.0).sum()
+    corners(mesh).map(|[a, b, c]| a.dot(b.cross(c)) / 6.0).sum()
 }
 
 /// Edges with more triangles on one side than on the other, where vertices at one place in single

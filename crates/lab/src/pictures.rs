@@ -58,7 +58,7 @@ enum Picture {
         #[arg(default_value = "assets/gear.glb")]
         mesh: PathBuf,
     },
-    /// docs/bevy/hulls.md: a row for each mesh: it, its hulls, and its fragments with their cuts in red
+    /// docs/bevy/hulls.md: each mesh, its hulls, and its fragments with their cuts in red
     Fragments {
         output: PathBuf,
         #[arg(required = true)]
@@ -91,7 +91,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             opening_cases(&cases::hollows(), FROM_ABOVE, &folder.join("opening-cases-hollow.png"))
         }
         Picture::Probe { output, mesh } => probe(output, mesh),
-        Picture::Fragments { output, meshes } => fragments::draw(output, meshes),
+        Picture::Fragments { output, meshes } => {
+            let elevation = Layout::default().view.elevation;
+            write(output, fragments::rows(meshes)?, (310, 270), elevation)
+        }
         Picture::Burst { output, mesh } => burst::draw(output, mesh),
     }
 }

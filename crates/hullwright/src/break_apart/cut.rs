@@ -39,6 +39,8 @@ pub(super) struct Cutter {
     pub thinnest: f64,
     /// Whether triangles run clockwise seen from outside.
     pub is_inside_out: bool,
+    /// Whether no edge was open before the first cut.
+    pub is_closed: bool,
     pub cuts: u32,
 }
 

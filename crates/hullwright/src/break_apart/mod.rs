@@ -50,8 +50,8 @@ pub struct Fragment {
     pub volume: f64,
 }
 
-/// A vertex of a fragment: a place on a triangle of the mesh, so that normals, texture coordinates and
-/// whatever else the mesh has at its vertices can be worked out there.
+/// A vertex of a fragment: a place on a triangle of the mesh, so that normals, texture coordinates
+/// and whatever else the mesh has at its vertices can be worked out there.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FragmentVertex {
     /// Where it is.
@@ -73,12 +73,13 @@ const MOST_COLLIDER_VERTICES: usize = 64;
 /// overlapping by up to several percent, in whatever direction, and push them apart.
 const SIZE: f64 = 0.99;
 
-/// Breaks a mesh into fragments, one for each hull, or for each group of hulls with the same number.
+/// Breaks a mesh into fragments, one for each hull, or for each group of hulls with one number.
 ///
-/// Planes divide the hulls until each is alone; each lies in the middle of where two hulls overlap,
-/// and of all such planes the one comes first that reaches least deep into hulls. So space is
-/// shared out where hulls overlap, and the same planes come of hulls that differ a little. The mesh
-/// is cut by them. Cuts are closed, for each connected part of the mesh on its own, also of an open
+/// Planes divide the hulls until each is alone. Each lies along a face of one of two neighbours, in
+/// the middle of where they overlap or at an end of that, and of all such planes the one comes first
+/// that leaves least of the hulls' volume on the wrong side. So space is shared out where hulls
+/// overlap, and hulls that differ a little are cut in nearly the same places. The mesh is cut by
+/// them. Cuts are closed, for each connected part of the mesh on its own, also of an open
 /// mesh where [`openings`](crate::openings) take it for solid; openings stay open. Triangles of all
 /// fragments together have the area of the mesh, and closed fragments its volume.
 ///
@@ -105,7 +106,8 @@ const SIZE: f64 = 0.99;
 /// # }
 /// ```
 ///
-/// A fragment of which there is nothing to draw is left out. Fragments are in the order of their groups.
+/// A fragment of which there is nothing to draw is left out. Fragments are in the order of their
+/// groups.
 /// O(t log h + h²) for t triangles and h hulls, as long as planes halve both.
 ///
 /// # Errors
@@ -125,7 +127,6 @@ pub fn break_apart<'a>(
         return Err(Error::parameter("groups", reason));
     }
     let (mut cutter, faces) = prepare(mesh, control)?;
-    let is_closed = is_closed(&faces);
     let shapes: Vec<&ConvexHull> = hulls.iter().map(|hull| &hull.shape).collect();
     let division = Division::new(&shapes, groups, control)?;
     let mut parts: BTreeMap<u32, Part> = BTreeMap::new();
@@ -158,7 +159,7 @@ pub fn break_apart<'a>(
             }
         }
     }
-    let fragment = |(group, part): (u32, Part)| cutter.fragment(mesh, group, part, is_closed);
+    let fragment = |(group, part): (u32, Part)| cutter.fragment(mesh, group, part);
     Ok(parts.into_iter().map(fragment).collect())
 }
 
@@ -178,59 +179,32 @@ struct Part {
     colliders: Vec<ConvexHull>,
 }
 
-/// The mesh with vertices at one place as one.
+/// The mesh with vertices at one place as one, and with what closes its openings.
 fn prepare(mesh: MeshView<'_>, control: &Control) -> Result<(Cutter, Vec<Face>), Error> {
-    let vertices = mesh.vertex_count();
-    for (triangle, corners) in mesh.triangles().iter().enumerate() {
-        if let Some(&index) = corners.iter().find(|&&corner| corner as usize >= vertices) {
-            return Err(Error::IndexOutOfRange { triangle, index, vertices });
-        }
-    }
+    mesh.check_indices()?;
     let mut points: Vec<Vector> = mesh.points().collect();
+    let face =
+        |(at, corners): (u32, &[u32; 3])| Face { corners: *corners, origin: Origin::Source(at) };
+    let mut faces: Vec<Face> = (0..).zip(mesh.triangles()).map(face).collect();
+    let (cutter, welded) = Cutter::new(points.clone(), &faces, control)?;
+    if cutter.is_closed {
+        return Ok((cutter, welded));
+    }
     let caps = caps(mesh, control)?;
-    points.extend(caps.iter().flatten());
-    let (min, max) = bounds(points.iter().copied().filter(|point| point.is_finite()));
-    let diagonal = min.distance(max);
-    let scale = if diagonal > 0.0 && diagonal.is_finite() { diagonal.recip() } else { 1.0 };
-    let middle = (min + max) / 2.0;
-    let normalised: Vec<Vector> = points.iter().map(|&point| (point - middle) * scale).collect();
-    let welded = weld(&normalised, control)?;
-    let mut faces = Vec::with_capacity(mesh.triangles().len() + caps.len());
-    let sources = (0..).zip(mesh.triangles()).map(|(at, of)| (*of, Origin::Source(at)));
-    let first = vertices as u32;
-    let of_caps = (0..caps.len() as u32).map(|cap| [0, 1, 2].map(|k| first + 3 * cap + k));
-    for (corners, origin) in sources.chain(of_caps.map(|corners| (corners, Origin::Opening))) {
-        let corners = corners.map(|corner| welded[corner as usize]);
-        let [a, b, c] = corners;
-        let is_finite = corners.iter().all(|&corner| points[corner as usize].is_finite());
-        if is_finite && a != b && b != c && c != a {
-            faces.push(Face { corners, origin });
-        }
+    if caps.is_empty() {
+        return Ok((cutter, welded));
     }
-    let corners: Vec<[u32; 3]> = faces.iter().map(|face| face.corners).collect();
-    let vertices = points.len();
-    let mut components = vec![0; vertices];
-    let half_edges = SortedHalfEdges::new(&corners, vertices);
-    let connectivity = Connectivity::of(&corners, &half_edges);
-    for (corners, component) in corners.iter().zip(connectivity.components) {
-        corners.iter().for_each(|&corner| components[corner as usize] = component);
+    for cap in caps {
+        let first = points.len() as u32;
+        points.extend(cap);
+        faces.push(Face { corners: [first, first + 1, first + 2], origin: Origin::Opening });
     }
-    let volume = six_volumes(corners.iter().map(|of| of.map(|corner| normalised[corner as usize])));
-    let (tolerance, thinnest) = (IN_PLANE * diagonal, MINIMUM_THICKNESS * diagonal);
-    let is_inside_out = volume < 0.0;
-    Ok((Cutter { points, components, welded, tolerance, thinnest, is_inside_out, cuts: 0 }, faces))
+    Cutter::new(points, &faces, control)
 }
 
 /// What closes the openings of a mesh that has some, where [`decompose`](crate::decompose()) takes
 /// it for solid: so cuts go through the solid, and not through its surface alone.
 fn caps(mesh: MeshView<'_>, control: &Control) -> Result<Vec<[Vector; 3]>, Error> {
-    let faces: Vec<Face> = (0..)
-        .zip(mesh.triangles())
-        .map(|(at, corners)| Face { corners: *corners, origin: Origin::Source(at) })
-        .collect();
-    if faces.is_empty() || is_closed(&faces) {
-        return Ok(Vec::new());
-    }
     let closed = close_openings(mesh, &Parameters::default(), control)?;
     let surface = closed.mesh.triangles.len().saturating_sub(closed.caps);
     let (surface, outer) = closed.mesh.triangles.split_at(surface);
@@ -260,6 +234,55 @@ fn is_closed(faces: &[Face]) -> bool {
 }
 
 impl Cutter {
+    /// Faces over points, with points at one place as one.
+    fn new(
+        points: Vec<Vector>,
+        faces: &[Face],
+        control: &Control,
+    ) -> Result<(Self, Vec<Face>), Error> {
+        let (min, max) = bounds(points.iter().copied().filter(|point| point.is_finite()));
+        let diagonal = min.distance(max);
+        let scale = if diagonal > 0.0 && diagonal.is_finite() { diagonal.recip() } else { 1.0 };
+        let middle = (min + max) / 2.0;
+        let normalised: Vec<Vector> =
+            points.iter().map(|&point| (point - middle) * scale).collect();
+        let welded = weld(&normalised, control)?;
+        let mut own = Vec::with_capacity(faces.len());
+        for &Face { corners, origin } in faces {
+            let corners = corners.map(|corner| welded[corner as usize]);
+            let [a, b, c] = corners;
+            let is_finite = corners.iter().all(|&corner| points[corner as usize].is_finite());
+            if is_finite && a != b && b != c && c != a {
+                own.push(Face { corners, origin });
+            }
+        }
+        let faces = own;
+        let corners: Vec<[u32; 3]> = faces.iter().map(|face| face.corners).collect();
+        let mut components = vec![0; points.len()];
+        let half_edges = SortedHalfEdges::new(&corners, points.len());
+        let connectivity = Connectivity::of(&corners, &half_edges);
+        for (corners, component) in corners.iter().zip(connectivity.components) {
+            corners.iter().for_each(|&corner| components[corner as usize] = component);
+        }
+        let volume =
+            six_volumes(corners.iter().map(|of| of.map(|corner| normalised[corner as usize])));
+        let (tolerance, thinnest) = (IN_PLANE * diagonal, MINIMUM_THICKNESS * diagonal);
+        let is_inside_out = volume < 0.0;
+
+        let is_closed = is_closed(&faces);
+        let cutter = Self {
+            points,
+            components,
+            welded,
+            tolerance,
+            thinnest,
+            is_inside_out,
+            is_closed,
+            cuts: 0,
+        };
+        Ok((cutter, faces))
+    }
+
     /// How far faces reach below and above a plane.
     fn reach(&self, faces: &[Face], plane: &Plane) -> (f64, f64) {
         let heights = faces.iter().flat_map(|face| self.corners(face)).map(|at| plane.height(at));
@@ -290,7 +313,7 @@ impl Cutter {
         Ok(Some(hull))
     }
 
-    fn fragment(&self, mesh: MeshView<'_>, group: u32, part: Part, is_closed: bool) -> Fragment {
+    fn fragment(&self, mesh: MeshView<'_>, group: u32, part: Part) -> Fragment {
         let Part { mut hulls, faces, colliders } = part;
         hulls.sort_unstable();
         let mut fragment = Fragment {
@@ -337,7 +360,7 @@ impl Cutter {
                 }
             }
         }
-        fragment.volume = match is_closed {
+        fragment.volume = match self.is_closed {
             true => {
                 let sign = if self.is_inside_out { -1.0 } else { 1.0 };
                 let origin = faces.first().map_or(Vector::ZERO, |of| self.corners(of)[0]);

@@ -5,6 +5,7 @@ pub(crate) mod blocks;
 pub(crate) mod plane;
 pub mod vector;
 
+use crate::error::Error;
 use vector::{Vector, as_vectors, six_volumes};
 
 pub(crate) use vector::Turns;
@@ -149,6 +150,20 @@ impl<'a> MeshView<'a> {
     /// The triangles.
     pub fn triangles(&self) -> &'a [[u32; 3]] {
         self.triangles
+    }
+
+    /// Whether all vertices of triangles are there.
+    ///
+    /// # Errors
+    /// [`Error::IndexOutOfRange`] for the first triangle with one that is not.
+    pub(crate) fn check_indices(&self) -> Result<(), Error> {
+        let vertices = self.vertex_count();
+        for (triangle, corners) in self.triangles.iter().enumerate() {
+            if let Some(&index) = corners.iter().find(|&&index| index as usize >= vertices) {
+                return Err(Error::IndexOutOfRange { triangle, index, vertices });
+            }
+        }
+        Ok(())
     }
 
     /// Which sides of a triangle are drawn, where that is known.

@@ -341,12 +341,7 @@ fn validate(source: MeshView<'_>) -> Result<(), Error> {
     if sidedness != 0 && sidedness != triangles.len() {
         return Err(Error::SidednessCount { sidedness, triangles: triangles.len() });
     }
-    for (t, triangle) in triangles.iter().enumerate() {
-        if let Some(&index) = triangle.iter().find(|&&index| index as usize >= vertices) {
-            return Err(Error::IndexOutOfRange { triangle: t, index, vertices });
-        }
-    }
-    Ok(())
+    source.check_indices()
 }
 
 /// Which triangles are worth a closer look, and where they are.

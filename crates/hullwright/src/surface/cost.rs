@@ -9,6 +9,7 @@
 
 use crate::decomposition::GroupedMesh;
 use crate::error::Error;
+use crate::geometry::MeshView;
 use crate::geometry::plane::Plane;
 use crate::geometry::vector::{Vector, area_normal, as_arrays, diagonal};
 use crate::hull::{ConvexHull, HullBuilder, Shape};
@@ -79,14 +80,7 @@ pub fn cost(mesh: &TriangleMesh, group: &[u32], scratch: &mut CostScratch) -> f6
 /// of the triangles, or a group has a number that is no triangle's.
 pub fn average_cost(grouped: &GroupedMesh) -> Result<f64, Error> {
     let GroupedMesh { positions, triangles, groups } = grouped;
-    let vertices = positions.len();
-    for (triangle, &index) in
-        triangles.iter().enumerate().flat_map(|(place, t)| t.iter().map(move |i| (place, i)))
-    {
-        if index as usize >= vertices {
-            return Err(Error::IndexOutOfRange { triangle, index, vertices });
-        }
-    }
+    MeshView::new(positions, triangles).check_indices()?;
     let invalid = |reason: String| Error::InvalidParameter { name: "groups", reason };
     let most = triangles.len();
     if groups.len() != most {
