@@ -4,9 +4,11 @@
 use std::str::FromStr;
 
 use hullwright::{Length, Method, Openings, Preset};
+use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
 use super::names::ColliderKind;
+use super::surface::SURFACE_SETTINGS;
 
 /// The key that makes extras ours.
 const COLLIDER: &str = "collider";
@@ -61,7 +63,7 @@ pub enum Fallback {
 }
 
 /// A body that a mesh becomes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Body {
     /// One that moves by itself.
     Dynamic,
@@ -106,7 +108,7 @@ pub type Complaint = String;
 
 /// Reads extras. `None` if they say nothing about colliders, or are no JSON. Settings that are
 /// wrong are left out, and each has a complaint, as has a key that is almost that of a setting.
-/// Other keys are somebody else's.
+/// Other keys are somebody else's, or those of [`read_surface`](super::read_surface).
 ///
 /// ```
 /// use hullwright::Length;
@@ -131,7 +133,8 @@ pub fn read_extras(text: &str) -> (Option<ExtrasTag>, Vec<Complaint>) {
     let mut tag = ExtrasTag { kind, ..ExtrasTag::default() };
     for (key, value) in extras.iter().filter(|(key, _)| *key != COLLIDER) {
         let Some((_, expected)) = SETTINGS.iter().find(|(name, _)| name == key) else {
-            if !SETTINGS.iter().any(|(name, _)| is_misspelt(key, name)) {
+            let is_known = SURFACE_SETTINGS.iter().any(|(name, ..)| name == key);
+            if is_known || !all_settings().any(|name| is_misspelt(key, name)) {
                 continue;
             }
             complaints.push(format!("\"{key}\" is no setting of a collider; {}", all_keys()));
@@ -177,9 +180,13 @@ fn edits(a: &str, b: &str) -> usize {
     row[b.len()]
 }
 
+fn all_settings() -> impl Iterator<Item = &'static str> {
+    let of_surfaces = SURFACE_SETTINGS.iter().map(|(name, ..)| *name);
+    SETTINGS.iter().map(|(name, _)| *name).chain(of_surfaces)
+}
+
 fn all_keys() -> String {
-    let settings = SETTINGS.iter().map(|(name, _)| *name);
-    let keys: Vec<&str> = std::iter::once(COLLIDER).chain(settings).collect();
+    let keys: Vec<&str> = std::iter::once(COLLIDER).chain(all_settings()).collect();
     format!("the keys are {}", keys.join(", "))
 }
 
@@ -245,7 +252,7 @@ fn whole(value: &Value, least: u32) -> Option<u32> {
 }
 
 /// Blender's older custom properties have no booleans, but 0 and 1.
-fn boolean(value: &Value) -> Option<bool> {
+pub(super) fn boolean(value: &Value) -> Option<bool> {
     match value.as_f64() {
         Some(0.0) => Some(false),
         Some(1.0) => Some(true),
@@ -281,7 +288,7 @@ fn parsed<T: FromStr>(value: &Value) -> Option<T> {
 }
 
 /// The value of a name in a table.
-fn named<T: Copy>(value: &Value, table: &[(&str, T)]) -> Option<T> {
+pub(super) fn named<T: Copy>(value: &Value, table: &[(&str, T)]) -> Option<T> {
     let name = value.as_str()?;
     table.iter().find(|(known, _)| *known == name).map(|(_, value)| *value)
 }

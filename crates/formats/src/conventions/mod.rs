@@ -1,10 +1,14 @@
 //! Names and glTF extras that give meshes colliders: Godot 4's suffixes, our `-convdecomp` beside
-//! them, Unreal's prefixes, and `{"collider": "convex_decomposition"}`. The Bevy plugin and
-//! `hullwright bake` follow the same rules.
+//! them, Unreal's prefixes, `{"collider": "convex_decomposition"}`, and glTF's physics
+//! extensions. The Bevy plugin and `hullwright bake` follow the same rules.
 
 #[cfg(feature = "extras")]
 mod extras;
 mod names;
+#[cfg(feature = "extras")]
+mod physics;
+#[cfg(feature = "extras")]
+mod surface;
 
 #[cfg(feature = "extras")]
 pub use extras::{Body, Complaint, ExtrasTag, Fallback, read_extras};
@@ -12,3 +16,10 @@ pub use names::{
     ColliderKind, NameTag, is_coarser_level, level_of_detail, mesh_tag, node_tag, whole_of,
     without_copy_number,
 };
+#[cfg(feature = "extras")]
+pub use physics::{
+    BodyMotion, CollisionFilter, DeclaredCollider, Geometry, ImplicitShape, NodePhysics,
+    PHYSICS_EXTENSIONS, PhysicsError, PhysicsExtensions,
+};
+#[cfg(feature = "extras")]
+pub use surface::{CombineRule, Events, Groups, Surface, read_surface};
