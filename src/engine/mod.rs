@@ -37,6 +37,8 @@ use bevy::ecs::query::{ArchetypeQueryData, QueryData, ReadOnlyQueryData};
 use bevy::ecs::schedule::InternedScheduleLabel;
 use bevy::ecs::system::EntityCommands;
 use bevy::prelude::*;
+#[cfg(feature = "bevy_gltf")]
+use hullwright_formats::conventions::{BodyMotion, Surface};
 use hullwright_parry::parry3d::mass_properties::MassProperties;
 use hullwright_parry::parry3d::shape::SharedShape;
 
@@ -203,6 +205,59 @@ pub(crate) trait Engine: Send + Sync + Sized + 'static {
 
     /// Wakes a body that may sleep.
     fn wake(commands: &mut Commands, body: Entity);
+
+    /// Gives a collider the components that a file says, but none that it has.
+    #[cfg(feature = "bevy_gltf")]
+    fn insert_surface(entity: &mut EntityCommands, surface: &Surface);
+
+    /// A collider of a shape that the file has, which the engine scales from now on. `scale` is that
+    /// of the entity.
+    #[cfg(feature = "bevy_gltf")]
+    fn attach_declared(entity: &mut EntityCommands, shape: SharedShape, scale: Vec3);
+
+    /// A body that keeps the velocity that it has.
+    #[cfg(feature = "bevy_gltf")]
+    fn body_of_constant_velocity() -> Self::Body;
+
+    #[cfg(feature = "bevy_gltf")]
+    fn insert_gravity(entity: &mut EntityCommands, factor: f32);
+
+    /// Gives a body the mass, the centre and the inertia that a file says, and what it says nothing
+    /// of from its colliders, which weigh nothing from then on. False where the engine has not
+    /// weighed the colliders yet.
+    #[cfg(feature = "bevy_gltf")]
+    fn set_declared_mass(
+        body: &mut EntityWorldMut,
+        declared: &BodyMotion,
+        colliders: &[Entity],
+    ) -> bool;
+}
+
+/// What a file says of a mass, and the engine of the rest.
+#[cfg(feature = "bevy_gltf")]
+#[derive(Debug, Clone, Copy)]
+struct DeclaredMass {
+    mass: f32,
+    centre: Vec3,
+    /// Around the principal axes. As a mass of 0, a moment of 0 is one without limit: engines keep
+    /// inverses, and have 0 for both.
+    inertia: Vec3,
+    rotation: Quat,
+}
+
+#[cfg(feature = "bevy_gltf")]
+impl DeclaredMass {
+    /// `weighed` is of the colliders, whose inertia grows with the mass.
+    fn new(declared: &BodyMotion, weighed: Self) -> Self {
+        let mass = declared.mass.unwrap_or(weighed.mass);
+        let factor = if mass > 0.0 { mass / weighed.mass } else { 1.0 };
+        let (inertia, rotation) = match declared.inertia {
+            Some(inertia) => (inertia.into(), Quat::from_array(declared.inertia_rotation)),
+            None => (weighed.inertia * factor, weighed.rotation),
+        };
+        let centre = declared.centre.map_or(weighed.centre, Vec3::from);
+        Self { mass, centre, inertia, rotation }
+    }
 }
 
 /// Puts the plugin's systems before the steps of an engine, in each frame and in fixed steps.

@@ -51,6 +51,8 @@ mod gltf_nodes;
 mod gltf_skins;
 #[cfg(feature = "meshes")]
 mod gltf_tree;
+#[cfg(feature = "extras")]
+mod hulls_extras;
 #[cfg(feature = "meshes")]
 mod mesh_file;
 #[cfg(feature = "meshes")]

@@ -71,8 +71,8 @@ pub enum Error {
     /// There are no hulls to measure or to join.
     #[error("there are no hulls")]
     NoHulls,
-    /// A hull can't be used: it has no triangles, names a point that it does not have, or has a
-    /// coordinate that is not finite.
+    /// A hull can't be used: it has no triangles or no volume, names a point that it does not have,
+    /// or has a coordinate that is not finite.
     #[error("hull {hull} can't be used: {reason}")]
     UnusableHull {
         /// Its index.

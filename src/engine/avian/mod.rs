@@ -1,5 +1,7 @@
 //! Avian, by avian3d.
 
+#[cfg(feature = "bevy_gltf")]
+mod declared;
 mod hold;
 
 use std::sync::Arc;
@@ -10,6 +12,8 @@ use bevy::ecs::schedule::{InternedScheduleLabel, ScheduleLabel};
 use bevy::ecs::system::EntityCommands;
 use bevy::platform::collections::HashMap;
 use bevy::prelude::*;
+#[cfg(feature = "bevy_gltf")]
+use hullwright_formats::conventions::{BodyMotion, Surface};
 use hullwright_parry::parry3d::mass_properties::MassProperties;
 use hullwright_parry::parry3d::math::Pose;
 use hullwright_parry::parry3d::shape::{SharedShape, TypedShape};
@@ -250,6 +254,32 @@ impl Engine for Avian {
             // All that touches it wakes too.
             body.remove::<Sleeping>();
         });
+    }
+
+    #[cfg(feature = "bevy_gltf")]
+    fn insert_surface(entity: &mut EntityCommands, surface: &Surface) {
+        declared::insert_surface(entity, surface);
+    }
+
+    #[cfg(feature = "bevy_gltf")]
+    fn attach_declared(entity: &mut EntityCommands, shape: SharedShape, _: Vec3) {
+        Self::attach(entity, Collider::from(shape));
+    }
+
+    /// All kinematic bodies do.
+    #[cfg(feature = "bevy_gltf")]
+    fn body_of_constant_velocity() -> RigidBody {
+        RigidBody::Kinematic
+    }
+
+    #[cfg(feature = "bevy_gltf")]
+    fn insert_gravity(entity: &mut EntityCommands, factor: f32) {
+        entity.try_insert_if_new(GravityScale(factor));
+    }
+
+    #[cfg(feature = "bevy_gltf")]
+    fn set_declared_mass(body: &mut EntityWorldMut, declared: &BodyMotion, _: &[Entity]) -> bool {
+        declared::set_mass(body, declared).is_some()
     }
 }
 

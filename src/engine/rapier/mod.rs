@@ -1,5 +1,7 @@
 //! Rapier, by bevy_rapier3d.
 
+#[cfg(feature = "bevy_gltf")]
+mod declared;
 mod hold;
 
 use bevy::ecs::query::QueryData;
@@ -15,6 +17,8 @@ use bevy_rapier3d::prelude::{
     RapierColliderHandle, RapierContextColliders, RapierContextEntityLink, RapierRigidBodyHandle,
     RapierRigidBodySet, Restitution, RigidBody, Sensor, Sleeping, SoftCcd, SolverGroups,
 };
+#[cfg(feature = "bevy_gltf")]
+use hullwright_formats::conventions::{BodyMotion, Surface};
 use hullwright_parry::parry3d::mass_properties::MassProperties;
 use hullwright_parry::parry3d::shape::SharedShape;
 use hullwright_rapier::ContactDispatcher;
@@ -222,6 +226,39 @@ impl Engine for Rapier {
     fn wake(commands: &mut Commands, body: Entity) {
         let Ok(mut body) = commands.get_entity(body) else { return };
         body.queue_silenced(|mut body: EntityWorldMut| wake(&mut body));
+    }
+
+    #[cfg(feature = "bevy_gltf")]
+    fn insert_surface(entity: &mut EntityCommands, surface: &Surface) {
+        declared::insert_surface(entity, surface);
+    }
+
+    /// bevy_rapier takes the signs of a scale into sizes.
+    #[cfg(feature = "bevy_gltf")]
+    fn attach_declared(entity: &mut EntityCommands, shape: SharedShape, scale: Vec3) {
+        entity.try_insert(Collider::from(shape));
+        if scale.min_element() < 0.0 {
+            entity.try_insert(ColliderScale::Absolute(scale.abs()));
+        }
+    }
+
+    #[cfg(feature = "bevy_gltf")]
+    fn body_of_constant_velocity() -> RigidBody {
+        RigidBody::KinematicVelocityBased
+    }
+
+    #[cfg(feature = "bevy_gltf")]
+    fn insert_gravity(entity: &mut EntityCommands, factor: f32) {
+        entity.try_insert_if_new(GravityScale(factor));
+    }
+
+    #[cfg(feature = "bevy_gltf")]
+    fn set_declared_mass(
+        body: &mut EntityWorldMut,
+        declared: &BodyMotion,
+        colliders: &[Entity],
+    ) -> bool {
+        declared::set_mass(body, declared, colliders).is_some()
     }
 }
 

@@ -1,9 +1,13 @@
 //! Names and glTF extras that give meshes colliders: Godot 4's suffixes, our `-convdecomp` beside
 //! them, Unreal's prefixes, `{"collider": "convex_decomposition"}`, and glTF's physics
 //! extensions. The Bevy plugin and `hullwright bake` follow the same rules.
+//!
+//! [`HullsRecord`] is what a glTF file says of hulls that `hullwright bake --into` wrote there.
 
 #[cfg(feature = "extras")]
 mod extras;
+#[cfg(feature = "extras")]
+mod hulls_record;
 mod names;
 #[cfg(feature = "extras")]
 mod physics;
@@ -12,6 +16,8 @@ mod surface;
 
 #[cfg(feature = "extras")]
 pub use extras::{Body, Complaint, ExtrasTag, Fallback, read_extras};
+#[cfg(feature = "extras")]
+pub use hulls_record::{HullsRecord, ReadBack, WrittenHull, hull_digest};
 pub use names::{
     ColliderKind, NameTag, is_coarser_level, level_of_detail, mesh_tag, node_tag, whole_of,
     without_copy_number,

@@ -71,6 +71,13 @@ pub struct VerifiedErrors {
     pub uncovered_max: f64,
 }
 
+impl VerifiedErrors {
+    /// Of a protrusion and an uncovered distance.
+    pub const fn new(protrusion_max: f64, uncovered_max: f64) -> Self {
+        Self { protrusion_max, uncovered_max }
+    }
+}
+
 /// Why a `.hulls` file can't be read or written.
 #[non_exhaustive]
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -154,6 +161,35 @@ impl HullsFile {
             }),
             mass_properties: None,
             hulls: hulls.iter().cloned().map(without_sources).collect(),
+            parts: Vec::new(),
+            part_shares: Vec::new(),
+        }
+    }
+
+    /// Hulls of any tool, of whose making nothing is known: the algorithm's version and the mesh's
+    /// counts are 0, and whoever knows more sets the fields.
+    ///
+    /// ```
+    /// use hullwright::hulls_format::HullsFile;
+    /// use hullwright::{Hull, convex_hull};
+    ///
+    /// let points = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    /// let file = HullsFile::from_hulls("rock", vec![Hull::from(convex_hull(&points)?)]);
+    /// assert_eq!((file.hulls.len(), file.method.as_str(), file.is_current()), (1, "", false));
+    /// # Ok::<(), hullwright::Error>(())
+    /// ```
+    pub fn from_hulls(name: impl Into<String>, hulls: Vec<Hull>) -> Self {
+        Self {
+            name: name.into(),
+            algorithm_version: 0,
+            method: String::new(),
+            source_vertices: 0,
+            source_triangles: 0,
+            diagonal: 0.0,
+            bound: None,
+            verified: None,
+            mass_properties: None,
+            hulls: hulls.into_iter().map(without_sources).collect(),
             parts: Vec::new(),
             part_shares: Vec::new(),
         }

@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 use std::fmt;
 use std::path::Path;
+use std::str::FromStr;
 
 use sha2::{Digest, Sha256};
 
@@ -13,6 +14,7 @@ use super::file::{
 use crate::decomposition::ALGORITHM_VERSION;
 use crate::geometry::MeshView;
 use crate::method::Method;
+use crate::parameters::ParseError;
 
 /// Version 3 is as this one, but what it holds of a mesh may say what its hulls are made of: a
 /// library that can't read that should say so of the whole file.
@@ -96,6 +98,20 @@ impl fmt::Display for MeshHash {
     }
 }
 
+impl FromStr for MeshHash {
+    type Err = ParseError;
+
+    /// Reads what [`Display`](fmt::Display) writes, in digits of either case.
+    fn from_str(text: &str) -> Result<Self, ParseError> {
+        let digit = |c: u8| (c as char).to_digit(16).map(|digit| digit as u8);
+        let (pairs, rest) = text.as_bytes().as_chunks::<2>();
+        let bytes: Option<Vec<u8>> =
+            pairs.iter().map(|[high, low]| Some(digit(*high)? << 4 | digit(*low)?)).collect();
+        let bytes = bytes.filter(|_| rest.is_empty()).and_then(|bytes| bytes.try_into().ok());
+        bytes.map(Self).ok_or_else(|| ParseError::new(text, "64 hexadecimal digits"))
+    }
+}
+
 /// The hulls of all meshes of a scene.
 ///
 /// ```
@@ -153,7 +169,7 @@ pub struct BakedMesh {
     /// empty if it comes from elsewhere, or a file of version 1.
     pub gltf_meshes: Vec<u32>,
     /// The least and the largest coordinates of the corners of its triangles; `None` in a file of
-    /// version 1.
+    /// version 1, and where the mesh was not at hand.
     pub bounds: Option<[[f32; 3]; 2]>,
     /// The mesh's content.
     pub hash: MeshHash,
@@ -191,6 +207,19 @@ impl BakedMesh {
             gltf_meshes: Vec::new(),
             bounds: bounds_of(mesh),
             hash: MeshHash::of(mesh),
+            parameters: parameters.into(),
+            hulls,
+        }
+    }
+
+    /// The hulls of a mesh that is not at hand, but its hash; its name is theirs, and its bounds are
+    /// not known.
+    pub fn of_hash(hash: MeshHash, parameters: impl Into<Method>, hulls: HullsFile) -> Self {
+        Self {
+            names: vec![hulls.name.clone()],
+            gltf_meshes: Vec::new(),
+            bounds: None,
+            hash,
             parameters: parameters.into(),
             hulls,
         }
@@ -561,6 +590,27 @@ mod tests {
         let mut older = scene.clone();
         older.meshes[0].hulls.algorithm_version -= 1;
         assert!(matches!(older.look_up(hash(2.0), &default, &[]), SceneLookup::OtherAlgorithm(_)));
+    }
+
+    #[test]
+    fn a_hash_is_read_from_its_digits_and_from_nothing_else() {
+        let text = hash(2.0).to_string();
+        assert_eq!((text.parse(), text.to_uppercase().parse()), (Ok(hash(2.0)), Ok(hash(2.0))));
+        for wrong in ["", "0", &text[2..], &format!("{text}00"), &text.replace('a', "g"), "ßß"] {
+            let read = wrong.parse::<MeshHash>();
+            assert!(read.is_err() || wrong == text, "{wrong}");
+        }
+    }
+
+    #[test]
+    fn a_mesh_that_is_known_by_its_hash_is_found_as_one_that_is_at_hand() {
+        let known = scene().meshes.remove(0);
+        let alone = BakedMesh::of_hash(known.hash, known.parameters.clone(), known.hulls.clone());
+        assert_eq!((alone.bounds, &alone.names[0]), (None, &known.hulls.name));
+        let scene = HullScene::new("alone", vec![alone]);
+        let read = HullScene::from_bytes(&scene.to_bytes().unwrap()).unwrap();
+        let found = read.look_up(known.hash, &known.parameters, &[]);
+        assert!(matches!(found, SceneLookup::Found(baked) if baked.hulls == known.hulls));
     }
 
     #[test]

@@ -43,6 +43,22 @@ pub enum MassSource {
     ConvexHull,
 }
 
+impl MassSource {
+    /// All of them.
+    pub const ALL: &'static [Self] =
+        &[Self::Mesh, Self::MeshUnion, Self::HullUnion, Self::ConvexHull];
+
+    /// Its name in files of text.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Mesh => "mesh",
+            Self::MeshUnion => "mesh_union",
+            Self::HullUnion => "hull_union",
+            Self::ConvexHull => "convex_hull",
+        }
+    }
+}
+
 /// How a rigid body resists being pushed and turned, for a uniform density.
 #[non_exhaustive]
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -203,6 +219,16 @@ fn trace_less(matrix: [Vector; 3], share: f64) -> [Vector; 3] {
 }
 
 impl MassProperties {
+    /// Mass, centre, and inertia about the centre, as they are.
+    pub const fn new(
+        mass: f64,
+        centre: [f64; 3],
+        inertia: [[f64; 3]; 3],
+        source: MassSource,
+    ) -> Self {
+        Self { mass, centre, inertia, source }
+    }
+
     /// The same body of another mass.
     #[must_use]
     pub fn with_mass(mut self, mass: f64) -> Self {
