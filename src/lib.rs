@@ -106,6 +106,8 @@ pub use jobs::baked::{
 #[cfg(feature = "bake")]
 pub use jobs::recipe::{HullRecipeLoader, HullRecipeProcessor, HullSceneSaver};
 pub use jobs::request::{mesh_of_hull, triangle_mesh};
+#[cfg(feature = "bevy_gltf")]
+pub use scene::collision_systems::CollisionSystems;
 pub use scene::hierarchy::{
     ConvexDecompositionHierarchy, HierarchyFinished, HierarchyReport, HierarchyStatus,
 };
@@ -128,6 +130,8 @@ pub use tag::{
 
 /// What most users need.
 pub mod prelude {
+    #[cfg(feature = "bevy_gltf")]
+    pub use super::CollisionSystems;
     pub use super::{
         AbsentReason, BakedDecomposition, BakedScene, BreakApart, BreakApartExt, BrokenApart,
         BudgetSettings, CacheSettings, ColliderAbsent, ColliderParts, ColliderPieceOf,

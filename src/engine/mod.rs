@@ -38,7 +38,7 @@ use bevy::ecs::schedule::InternedScheduleLabel;
 use bevy::ecs::system::EntityCommands;
 use bevy::prelude::*;
 #[cfg(feature = "bevy_gltf")]
-use hullwright_formats::conventions::{BodyMotion, Surface};
+use hullwright_formats::conventions::{BodyMotion, SurfaceProperties};
 use hullwright_parry::parry3d::mass_properties::MassProperties;
 use hullwright_parry::parry3d::shape::SharedShape;
 
@@ -208,7 +208,7 @@ pub(crate) trait Engine: Send + Sync + Sized + 'static {
 
     /// Gives a collider the components that a file says, but none that it has.
     #[cfg(feature = "bevy_gltf")]
-    fn insert_surface(entity: &mut EntityCommands, surface: &Surface);
+    fn insert_surface(entity: &mut EntityCommands, surface: &SurfaceProperties);
 
     /// A collider of a shape that the file has, which the engine scales from now on. `scale` is that
     /// of the entity.

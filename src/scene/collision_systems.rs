@@ -109,9 +109,8 @@ mod tests {
         let picky = groups(filter(&["picky"], Some(&["world"]), &[]));
         let plain = groups(filter(&[], None, &["ghost"]));
         let without_filter = Groups { memberships: u32::MAX, filters: u32::MAX };
-        let meet = |a: Groups, b: Groups| {
-            a.memberships & b.filters != 0 && b.memberships & a.filters != 0
-        };
+        let meet =
+            |a: Groups, b: Groups| a.memberships & b.filters != 0 && b.memberships & a.filters != 0;
         for (a, b, expected) in [
             (world, ghost, false),
             (world, picky, true),
@@ -131,12 +130,10 @@ mod tests {
     fn names_that_the_game_says_first_have_the_first_groups() {
         let mut systems = CollisionSystems::new(["a", "b"]);
         systems.groups(&filter(&["c", "b"], None, &[]));
-        assert_eq!(["a", "b", "c", "d"].map(|name| systems.group(name)), [
-            Some(1),
-            Some(2),
-            Some(4),
-            None
-        ]);
+        assert_eq!(
+            ["a", "b", "c", "d"].map(|name| systems.group(name)),
+            [Some(1), Some(2), Some(4), None]
+        );
     }
 
     #[test]

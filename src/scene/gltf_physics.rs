@@ -12,8 +12,12 @@ use bevy::gltf::{GltfAssetLabel, GltfLoaderSettings};
 use bevy::prelude::*;
 use bevy::tasks::block_on;
 use gltf::json;
-use hullwright_formats::conventions::{DeclaredCollider, Geometry, NodePhysics, PHYSICS_EXTENSIONS, PhysicsExtensions};
+use hullwright_formats::conventions::{
+    DeclaredCollider, Geometry, NodePhysics, PHYSICS_EXTENSIONS, PhysicsExtensions,
+};
 use serde_json::Map;
+
+use crate::jobs::baked::BakedScene;
 
 /// What the physics extensions of a file say of a node. Each node has it if any of its file does.
 #[derive(Component, Reflect, Debug, Clone, PartialEq, Default)]
@@ -39,6 +43,31 @@ pub(super) enum DeclaredMeshes {
     Own,
     /// Others, each where it is from the node.
     Placed(Vec<(Handle<Mesh>, Transform)>),
+}
+
+/// On a collider that a file makes of meshes: they are below it, and the tag that it gets says how.
+#[derive(Component, Reflect, Debug, Clone, Copy, PartialEq, Default)]
+#[reflect(Component, Default, Clone, PartialEq)]
+#[type_path = "hullwright"]
+pub(super) struct MadeOfMeshes {
+    /// Whether it is their convex hull.
+    pub is_convex: bool,
+}
+
+/// On a mesh that is there for a collider alone, and is none of the scene's.
+#[derive(Component, Reflect, Debug, Clone, Copy, Default)]
+#[reflect(Component, Default, Clone)]
+#[type_path = "hullwright"]
+pub(super) struct ColliderMesh;
+
+/// On a node: the hulls of its mesh that its file has.
+#[derive(Component, Reflect, Debug, Clone, PartialEq, Default)]
+#[reflect(Component, Default, Clone, PartialEq)]
+#[type_path = "hullwright"]
+pub(super) struct HullsInFile {
+    pub scene: Handle<BakedScene>,
+    /// Whether they are others than were written.
+    pub is_edited: bool,
 }
 
 impl GltfPhysics {
@@ -118,19 +147,24 @@ impl Document<'_, '_> {
                 continue;
             };
             joints += usize::from(physics.has_joint);
-            let geometry = |of: &Option<_>| of.as_ref().map(|of: &DeclaredCollider| of.geometry.clone());
+            let geometry =
+                |of: &Option<_>| of.as_ref().map(|of: &DeclaredCollider| of.geometry.clone());
             let mut made_of = |geometry: Option<Geometry>| {
                 let Some(geometry) = geometry else { return DeclaredMeshes::None };
                 self.meshes_of(index, &geometry).unwrap_or_else(|| {
-                    warn(&path, index, node, "its colliders place too many meshes: they are left out");
+                    warn(
+                        &path,
+                        index,
+                        node,
+                        "its colliders place too many meshes: they are left out",
+                    );
                     DeclaredMeshes::Placed(Vec::new())
                 })
             };
             let (collider, trigger) =
                 (made_of(geometry(&physics.collider)), made_of(geometry(&physics.trigger)));
-            says_anything |= physics.motion.is_some()
-                || physics.collider.is_some()
-                || physics.trigger.is_some();
+            says_anything |=
+                physics.motion.is_some() || physics.collider.is_some() || physics.trigger.is_some();
             let json = serde_json::to_string(&physics).unwrap_or_default();
             read.push(GltfPhysics { json, collider, trigger });
         }
@@ -226,7 +260,11 @@ fn transform(node: &json::Node) -> Transform {
 
 /// Whichever comes first, this or Bevy's plugin for glTF.
 pub(super) fn read_physics(app: &mut App) {
-    app.register_type::<GltfPhysics>().init_resource::<GltfExtensionHandlers>();
+    app.register_type::<GltfPhysics>()
+        .register_type::<MadeOfMeshes>()
+        .register_type::<ColliderMesh>()
+        .register_type::<HullsInFile>()
+        .init_resource::<GltfExtensionHandlers>();
     let handlers = app.world().resource::<GltfExtensionHandlers>();
     // Browsers have no `write_blocking`.
     block_on(handlers.0.write()).push(Box::new(PhysicsReader::default()));

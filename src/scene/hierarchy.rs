@@ -185,6 +185,10 @@ pub struct HierarchyReport {
     pub left_out: usize,
     /// Of those that are ready: from the baked scene.
     pub from_baked: usize,
+    /// Of those that are ready: from hulls that the scene's own file holds.
+    pub from_file: usize,
+    /// Of those from the file: with hulls that were edited since they were baked.
+    pub edited: usize,
     /// Of those that are ready: made anew, since the baked scene has another state of them. The log
     /// says which and why.
     pub stale: usize,
@@ -209,6 +213,8 @@ impl HierarchyReport {
         self.cancelled += inner.cancelled;
         self.left_out += inner.left_out;
         self.from_baked += inner.from_baked;
+        self.from_file += inner.from_file;
+        self.edited += inner.edited;
         self.stale += inner.stale;
         self.missing += inner.missing;
         self.is_lost |= inner.is_lost;

@@ -1,9 +1,20 @@
 //! Whole scenes, tagged at once and ended together, and how far all work is.
 
+#[cfg(feature = "bevy_gltf")]
+pub(super) mod collision_systems;
+mod complaints;
+#[cfg(feature = "bevy_gltf")]
+mod declared;
+#[cfg(feature = "bevy_gltf")]
+mod gltf_physics;
 pub(super) mod hierarchy;
 #[cfg(feature = "bevy_gltf")]
 mod linked_levels;
+#[cfg(feature = "bevy_gltf")]
+mod shapes;
 pub(super) mod tagging;
+#[cfg(feature = "bevy_gltf")]
+mod written_hulls;
 
 use std::time::Duration;
 
@@ -44,9 +55,7 @@ pub(super) fn plugin<E: Engine>(app: &mut App) {
         .register_type::<ColliderPieces>()
         .register_type::<DecompositionProgress>();
     #[cfg(feature = "bevy_gltf")]
-    linked_levels::mark_linked_levels(app);
-    #[cfg(feature = "bevy_gltf")]
-    app.register_type::<tagging::HiddenByHierarchy>();
+    follow_files::<E>(app);
     app.add_systems(
         PostUpdate,
         (
@@ -63,6 +72,24 @@ pub(super) fn plugin<E: Engine>(app: &mut App) {
                 .in_set(HullwrightSystems::Attach),
         ),
     );
+}
+
+/// Puts on the nodes of glTF files what these say of physics, before they are tagged.
+#[cfg(feature = "bevy_gltf")]
+fn follow_files<E: Engine>(app: &mut App) {
+    linked_levels::mark_linked_levels(app);
+    gltf_physics::read_physics(app);
+    app.init_resource::<collision_systems::CollisionSystems>()
+        .register_type::<collision_systems::CollisionSystems>()
+        .register_type::<tagging::HiddenByHierarchy>()
+        .register_type::<declared::Declared>()
+        .add_systems(
+            PostUpdate,
+            (declared::set_masses::<E>, declared::declare::<E>)
+                .before(tag_hierarchies::<E>)
+                .before(detect_tags::<E>)
+                .in_set(HullwrightSystems::DetectChanges),
+        );
 }
 
 /// Meshes that the log names one by one; of more it says how many.
@@ -230,6 +257,13 @@ fn finish_hierarchies<E: Engine>(
             match status.and_then(DecompositionStatus::has_collider) {
                 Some(true) => report.with_collider += 1,
                 _ => report.without_collider += 1,
+            }
+            #[cfg(feature = "bevy_gltf")]
+            if let (Some(DecompositionStatus::Ready(_)), Some(hulls)) =
+                (status, scenes.nodes.hulls_in_use(node))
+            {
+                report.from_file += 1;
+                report.edited += usize::from(hulls.is_edited);
             }
             match status {
                 Some(DecompositionStatus::Ready(_)) => report.ready += 1,

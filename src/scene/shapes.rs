@@ -1,8 +1,9 @@
 //! Shapes by their measures, as physics extensions have them, as Parry's.
 
+use hullwright::MeshView;
 use hullwright_formats::conventions::ImplicitShape;
 use hullwright_parry::parry3d::math::Vector;
-use hullwright_parry::parry3d::shape::{HalfSpace, SharedShape};
+use hullwright_parry::parry3d::shape::{HalfSpace, SharedShape, TriMeshFlags};
 use hullwright_parry::{ColliderError, shape_from_points, triangle_mesh};
 
 /// Half the size of a plane that never ends but is no half space: it has two sides, or an edge.
@@ -50,7 +51,8 @@ pub(super) fn shape(implicit: &ImplicitShape) -> Result<SharedShape, ColliderErr
         ImplicitShape::Plane { size_x, size_z, .. } => {
             let [x, z] = [size_x, size_z].map(|size| size.map_or(FAR, |size| size / 2.0));
             let corners = [[-x, 0.0, -z], [-x, 0.0, z], [x, 0.0, z], [x, 0.0, -z]];
-            triangle_mesh(corners.to_vec(), vec![[0, 1, 2], [0, 2, 3]], [1.0; 3])
+            let plane = MeshView::new(&corners, &[[0, 1, 2], [0, 2, 3]]);
+            Ok(SharedShape::new(triangle_mesh(plane, TriMeshFlags::empty())?))
         }
     }
 }

@@ -3,13 +3,11 @@
 //! collider that an artist made, as Unreal's `UCX_chair_01` is one of `chair`, are tied to their
 //! mesh.
 
-use std::collections::BTreeMap;
-
 use bevy::ecs::entity::{EntityHashMap, EntityHashSet};
 use bevy::ecs::entity_disabling::Disabled;
 use bevy::ecs::query::Allow;
 use bevy::ecs::system::SystemParam;
-use bevy::platform::collections::{HashMap, HashSet};
+use bevy::platform::collections::HashMap;
 use bevy::prelude::*;
 #[cfg(feature = "bevy_gltf")]
 use hullwright_formats::conventions::{Body, ExtrasTag};
@@ -17,13 +15,16 @@ use hullwright_formats::conventions::{
     ColliderKind, NameTag, mesh_tag, node_tag, whole_of, without_copy_number,
 };
 
+use super::complaints::Complaints;
+#[cfg(feature = "bevy_gltf")]
+use super::gltf_physics::{ColliderMesh, GltfPhysics, HullsInFile, MadeOfMeshes};
 use super::hierarchy::{ConvexDecompositionHierarchy, HierarchyStatus, HierarchyWork};
 use crate::collider::placement::GivesSurface;
 use crate::collider::resolve::Levels;
 use crate::collider::work::MadeBefore;
 use crate::engine::{Engine, Motion};
 use crate::jobs::baked::{BakedDecomposition, FromBakedScene};
-use crate::tag::outcomes::{Descriptions, entities};
+use crate::tag::outcomes::Descriptions;
 use crate::tag::{ConvexDecomposition, DecompositionShape, NoConvexDecomposition};
 
 /// Set on what a hierarchy tagged, so that another setting can take it back, also after it was
@@ -97,7 +98,7 @@ impl Pieces<'_, '_> {
 /// All of a scene that says what becomes of its meshes.
 #[derive(SystemParam)]
 pub(super) struct Nodes<'w, 's, E: Engine> {
-    meshes: Query<'w, 's, (Entity, Option<&'static Transform>), With<Mesh3d>>,
+    meshes: Query<'w, 's, (Entity, Option<&'static Transform>), SceneMeshes>,
     names: Query<'w, 's, &'static Name>,
     pub parents: Query<'w, 's, &'static ChildOf>,
     children: Query<'w, 's, &'static Children>,
@@ -105,8 +106,8 @@ pub(super) struct Nodes<'w, 's, E: Engine> {
     exist: Query<'w, 's, (), Allow<Disabled>>,
     before: Query<'w, 's, MadeBefore<E>>,
     pub own_tags: Query<'w, 's, (), OwnTag>,
-    /// What hierarchies said before; `None` for no collider.
-    pub tagged: Query<'w, 's, Option<&'static ConvexDecomposition>, With<TaggedByHierarchy>>,
+    /// What hierarchies said before: a tag, or hulls of the file, or neither for no collider.
+    pub tagged: Query<'w, 's, TagOrHulls, With<TaggedByHierarchy>>,
     from_scenes: Query<'w, 's, &'static FromBakedScene>,
     levels: Levels<'w, 's>,
     pieces: Pieces<'w, 's>,
@@ -114,7 +115,16 @@ pub(super) struct Nodes<'w, 's, E: Engine> {
     hidden: Query<'w, 's, (), With<HiddenByHierarchy>>,
     #[cfg(feature = "bevy_gltf")]
     extras: Query<'w, 's, Extras>,
+    #[cfg(feature = "bevy_gltf")]
+    declared: Query<'w, 's, DeclaredColliders>,
 }
+
+type TagOrHulls = (Option<&'static ConvexDecomposition>, Option<&'static BakedDecomposition>);
+
+#[cfg(feature = "bevy_gltf")]
+type SceneMeshes = (With<Mesh3d>, Without<ColliderMesh>);
+#[cfg(not(feature = "bevy_gltf"))]
+type SceneMeshes = With<Mesh3d>;
 
 /// Tagged, but not by a hierarchy.
 type OwnTag = (
@@ -128,6 +138,11 @@ type Extras = (
     Option<&'static bevy::gltf::GltfMeshExtras>,
     Option<&'static bevy::gltf::GltfMeshName>,
 );
+
+/// What the file has of colliders: the mesh's own, hulls, others.
+#[cfg(feature = "bevy_gltf")]
+type DeclaredColliders =
+    (Option<&'static MadeOfMeshes>, Option<&'static HullsInFile>, Option<&'static GltfPhysics>);
 
 impl<E: Engine> Nodes<'_, '_, E> {
     fn children_of(&self, node: Entity) -> impl Iterator<Item = Entity> {
@@ -166,8 +181,29 @@ impl<E: Engine> Nodes<'_, '_, E> {
                 }
                 _ => entity,
             })
+            .chain(self.made_of_meshes(root))
             .filter(|node| seen.insert(*node))
             .collect()
+    }
+
+    /// Colliders that the file makes of meshes elsewhere.
+    fn made_of_meshes(&self, root: Entity) -> Vec<Entity> {
+        #[cfg(feature = "bevy_gltf")]
+        return {
+            let is_made = |entity: &Entity| {
+                self.declared.get(*entity).is_ok_and(|(of_meshes, ..)| of_meshes.is_some())
+            };
+            self.on_and_below(root).into_iter().filter(is_made).collect()
+        };
+        #[cfg(not(feature = "bevy_gltf"))]
+        return (root, Vec::new()).1;
+    }
+
+    /// The hulls of a node's mesh that its file has, where they make its collider.
+    #[cfg(feature = "bevy_gltf")]
+    pub(super) fn hulls_in_use(&self, node: Entity) -> Option<&HullsInFile> {
+        let is_used = self.tagged.get(node).is_ok_and(|(_, hulls)| hulls.is_some());
+        self.declared.get(node).ok()?.1.filter(|_| is_used)
     }
 
     /// The name of the glTF mesh that an entity is a primitive of.
@@ -246,24 +282,6 @@ impl<E: Engine> Nodes<'_, '_, E> {
     pub(super) fn show(&self, _commands: &mut Commands, _node: Entity, _is_drawn: bool) {}
 }
 
-/// Errors in extras, with the entities that have them. Each is logged once.
-#[derive(Default)]
-pub(super) struct Complaints {
-    known: HashSet<String>,
-    new: BTreeMap<String, Vec<Entity>>,
-}
-
-impl Complaints {
-    fn log(&mut self, descriptions: &Descriptions) {
-        for (text, of) in std::mem::take(&mut self.new) {
-            if let Some(first) = of.first().filter(|_| self.known.insert(text.clone())) {
-                let who = entities(of.len(), &descriptions.entity(*first, None));
-                log::warn!("glTF extras of {who}: {text}");
-            }
-        }
-    }
-}
-
 /// What may have come below a hierarchy with all below it, or gone.
 type Moved = (Or<(Changed<ChildOf>, Added<Disabled>)>, Allow<Disabled>);
 
@@ -289,6 +307,8 @@ pub(super) struct Hierarchies<'w, 's> {
     tags_gone: RemovedComponents<'w, 's, ConvexDecomposition>,
     baked_gone: RemovedComponents<'w, 's, BakedDecomposition>,
     exclusions_gone: RemovedComponents<'w, 's, NoConvexDecomposition>,
+    #[cfg(feature = "bevy_gltf")]
+    declared: Query<'w, 's, Entity, Or<(Added<MadeOfMeshes>, Added<HullsInFile>)>>,
     parents_gone: RemovedComponents<'w, 's, ChildOf>,
     disabled_gone: RemovedComponents<'w, 's, Disabled>,
     children: Query<'w, 's, &'static Children, Allow<Disabled>>,
@@ -353,6 +373,8 @@ impl Hierarchies<'_, '_> {
                 roots.entry(root).or_insert(false);
             }
         }
+        #[cfg(feature = "bevy_gltf")]
+        roots.extend(self.declared.iter().filter_map(nearest).map(|root| (root, true)));
         roots
     }
 }
@@ -484,6 +506,10 @@ impl<E: Engine> Rules<'_, '_, '_, E> {
         let by_name = || Some(treatment(by_name()?, self.base()));
         let piece_of = self.wholes.by_piece.get(&node).copied();
         let mut result = self.by_extras(node, complaints).or_else(by_name);
+        #[cfg(feature = "bevy_gltf")]
+        {
+            result = self.by_file(node, result);
+        }
         if let Some(result) = &mut result {
             result.piece_of = piece_of;
             result.is_drawn &= piece_of.is_none();
@@ -496,13 +522,32 @@ impl<E: Engine> Rules<'_, '_, '_, E> {
         result
     }
 
+    /// By hulls that the file has of a mesh, or else, if nothing is said of the node, by what its
+    /// physics extension says. A mesh of which that says nothing has no collider.
+    #[cfg(feature = "bevy_gltf")]
+    fn by_file(&self, node: Entity, said: Option<Treatment>) -> Option<Treatment> {
+        let (made_of, hulls, physics) = self.nodes.declared.get(node).ok()?;
+        if let Some(hulls) = hulls {
+            let base = Treatment::from(Some(self.base()));
+            return Some(said.unwrap_or(base).with_hulls(hulls));
+        }
+        said.or_else(|| match (made_of, physics) {
+            (Some(MadeOfMeshes { is_convex: true }), _) => {
+                Some(Some(made_of_kind(ColliderKind::ConvexHull, self.base())).into())
+            }
+            (Some(_), _) => Some(Some(self.base()).into()),
+            (None, Some(_)) => Some(None.into()),
+            (None, None) => None,
+        })
+    }
+
     /// By the extras of a node or of its mesh.
     fn by_extras(&self, node: Entity, complaints: &mut Complaints) -> Option<Treatment> {
         #[cfg(feature = "bevy_gltf")]
         return self.nodes.extras_of(node).find_map(|text| {
             let (tag, wrong) = hullwright_formats::conventions::read_extras(text);
             for text in wrong {
-                complaints.new.entry(text).or_default().push(node);
+                complaints.add(text, node);
             }
             Some(with_extras(&tag?, self.base()))
         });
@@ -516,12 +561,15 @@ impl<E: Engine> Rules<'_, '_, '_, E> {
         let nodes = self.nodes;
         let all: EntityHashSet = all.iter().copied().collect();
         let below = nodes.on_and_below(self.root).into_iter().filter(|node| !all.contains(node));
-        for node in below.filter(|node| matches!(nodes.tagged.get(*node), Ok(Some(_)))) {
+        for node in
+            below.filter(|node| nodes.tagged.get(*node).is_ok_and(|tagged| tagged != (None, None)))
+        {
             let mut commands = commands.entity(node);
             if let Ok(before) = nodes.before.get(node) {
                 before.detach(&mut commands);
             }
-            commands.try_remove::<(ConvexDecomposition, FromBakedScene, TaggedByHierarchy)>();
+            commands.try_remove::<(ConvexDecomposition, BakedDecomposition, FromBakedScene)>();
+            commands.try_remove::<TaggedByHierarchy>();
         }
     }
 
@@ -541,7 +589,8 @@ impl<E: Engine> Rules<'_, '_, '_, E> {
             if nodes.own_tags.contains(node) {
                 continue;
             }
-            let Treatment { tag, is_drawn, body, piece_of } = self.treatment(node, complaints);
+            let Treatment { tag, hulls, is_drawn, body, piece_of } =
+                self.treatment(node, complaints);
             nodes.show(commands, node, is_drawn);
             nodes.pieces.tie(commands, node, piece_of);
             let mut commands = commands.entity(node);
@@ -560,19 +609,24 @@ impl<E: Engine> Rules<'_, '_, '_, E> {
                 };
             }
             has_news |= !nodes.tagged.contains(node);
-            let is_as_before = nodes.tagged.get(node).is_ok_and(|before| before == tag.as_ref());
-            match &tag {
-                Some(_) => tagged.push(node),
-                None => left_out += 1,
+            let before = nodes.tagged.get(node);
+            let is_as_before = before == Ok((tag.as_ref(), hulls.as_ref()));
+            match tag.is_some() || hulls.is_some() {
+                true => tagged.push(node),
+                false => left_out += 1,
             }
-            match tag {
+            match (tag, hulls) {
                 _ if is_as_before => {}
-                Some(tag) => {
-                    commands.try_remove::<NoConvexDecomposition>();
+                (_, Some(hulls)) => {
+                    commands.try_remove::<(ConvexDecomposition, NoConvexDecomposition)>();
+                    commands.try_insert((hulls, TaggedByHierarchy));
+                }
+                (Some(tag), None) => {
+                    commands.try_remove::<(BakedDecomposition, NoConvexDecomposition)>();
                     commands.try_insert((tag, TaggedByHierarchy));
                 }
-                None => {
-                    commands.try_remove::<ConvexDecomposition>();
+                (None, None) => {
+                    commands.try_remove::<(BakedDecomposition, ConvexDecomposition)>();
                     // Else it would be part of the input of a node above it.
                     commands.try_insert((NoConvexDecomposition, TaggedByHierarchy));
                 }
@@ -594,6 +648,8 @@ impl<E: Engine> Rules<'_, '_, '_, E> {
 struct Treatment {
     /// `None` for no collider.
     tag: Option<ConvexDecomposition>,
+    /// Hulls that stand for those of the tag.
+    hulls: Option<BakedDecomposition>,
     is_drawn: bool,
     /// The body that it becomes, if it is none.
     body: Option<Motion>,
@@ -603,24 +659,38 @@ struct Treatment {
 
 impl From<Option<ConvexDecomposition>> for Treatment {
     fn from(tag: Option<ConvexDecomposition>) -> Self {
-        Self { tag, is_drawn: true, body: None, piece_of: None }
+        Self { tag, hulls: None, is_drawn: true, body: None, piece_of: None }
+    }
+}
+
+#[cfg(feature = "bevy_gltf")]
+impl Treatment {
+    /// The same with hulls of the file, where the tag would make hulls.
+    fn with_hulls(mut self, hulls: &HullsInFile) -> Self {
+        use DecompositionShape::{Auto, ConvexHull, Hulls};
+        if let Some(tag) = self.tag.take_if(|tag| matches!(tag.shape, Auto | Hulls | ConvexHull)) {
+            let (density, mass, children) = (tag.density, tag.mass, tag.children);
+            let scene = hulls.scene.clone();
+            self.hulls = Some(BakedDecomposition { scene, mesh: None, density, mass, children });
+        }
+        self
     }
 }
 
 /// What becomes of a node with such a name; `base` is the tag that the scene has for such nodes.
 fn treatment(name_tag: NameTag, base: ConvexDecomposition) -> Treatment {
     let (tag, is_drawn, body) = match name_tag {
-        NameTag::Collider(kind) => (made_of(kind, base), true, None),
-        NameTag::ColliderOnly(kind) => (made_of(kind, base), false, None),
-        NameTag::Body(kind) => (made_of(kind, base), true, Some(Motion::Dynamic)),
+        NameTag::Collider(kind) => (made_of_kind(kind, base), true, None),
+        NameTag::ColliderOnly(kind) => (made_of_kind(kind, base), false, None),
+        NameTag::Body(kind) => (made_of_kind(kind, base), true, Some(Motion::Dynamic)),
         // The mass of the whole is not that of a piece.
-        NameTag::PieceOf { kind, .. } => (made_of(kind, base.with_mass(None)), false, None),
+        NameTag::PieceOf { kind, .. } => (made_of_kind(kind, base.with_mass(None)), false, None),
         NameTag::LeftOut => return Treatment { is_drawn: false, ..None.into() },
     };
     Treatment { is_drawn, body, ..Some(tag).into() }
 }
 
-fn made_of(kind: ColliderKind, base: ConvexDecomposition) -> ConvexDecomposition {
+fn made_of_kind(kind: ColliderKind, base: ConvexDecomposition) -> ConvexDecomposition {
     match kind {
         // As the scene says for what moves and what does not.
         ColliderKind::Decomposition => base,
@@ -643,7 +713,7 @@ fn with_extras(extras: &ExtrasTag, base: ConvexDecomposition) -> Treatment {
         Body::Kinematic => Motion::Kinematic,
     });
     let tag = extras.kind.map(|kind| {
-        let tag = made_of(kind, base);
+        let tag = made_of_kind(kind, base);
         ConvexDecomposition {
             max_error: extras.max_error.map_or(tag.max_error, Into::into),
             preset: extras.preset.map_or(tag.preset, Into::into),

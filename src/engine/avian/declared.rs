@@ -4,11 +4,11 @@
 use avian3d::prelude::*;
 use bevy::ecs::system::EntityCommands;
 use bevy::prelude::*;
-use hullwright_formats::conventions::{BodyMotion, CombineRule, Surface};
+use hullwright_formats::conventions::{BodyMotion, CombineRule, SurfaceProperties};
 
 use crate::engine::DeclaredMass;
 
-pub(super) fn insert_surface(entity: &mut EntityCommands, surface: &Surface) {
+pub(super) fn insert_surface(entity: &mut EntityCommands, surface: &SurfaceProperties) {
     if surface.friction.is_some() || surface.friction_combine_rule.is_some() {
         let default = Friction::default();
         let friction = surface.friction.unwrap_or(default.dynamic_coefficient);
@@ -57,7 +57,8 @@ fn rule(rule: CombineRule) -> CoefficientCombine {
 
 pub(super) fn set_mass(body: &mut EntityWorldMut, declared: &BodyMotion) -> Option<()> {
     let mass = body.get::<ComputedMass>().map(|mass| mass.value()).filter(|mass| *mass > 0.0)?;
-    let (inertia, rotation) = body.get::<ComputedAngularInertia>()?.principal_angular_inertia_with_local_frame();
+    let (inertia, rotation) =
+        body.get::<ComputedAngularInertia>()?.principal_angular_inertia_with_local_frame();
     let centre = body.get::<ComputedCenterOfMass>()?.0;
     let DeclaredMass { mass, centre, inertia, rotation } =
         DeclaredMass::new(declared, DeclaredMass { mass, centre, inertia, rotation });

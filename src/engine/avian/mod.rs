@@ -13,7 +13,7 @@ use bevy::ecs::system::EntityCommands;
 use bevy::platform::collections::HashMap;
 use bevy::prelude::*;
 #[cfg(feature = "bevy_gltf")]
-use hullwright_formats::conventions::{BodyMotion, Surface};
+use hullwright_formats::conventions::{BodyMotion, SurfaceProperties};
 use hullwright_parry::parry3d::mass_properties::MassProperties;
 use hullwright_parry::parry3d::math::Pose;
 use hullwright_parry::parry3d::shape::{SharedShape, TypedShape};
@@ -257,7 +257,7 @@ impl Engine for Avian {
     }
 
     #[cfg(feature = "bevy_gltf")]
-    fn insert_surface(entity: &mut EntityCommands, surface: &Surface) {
+    fn insert_surface(entity: &mut EntityCommands, surface: &SurfaceProperties) {
         declared::insert_surface(entity, surface);
     }
 

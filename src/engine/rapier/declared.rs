@@ -7,11 +7,11 @@ use bevy_rapier3d::prelude::{
     CollisionGroups, ContactForceEventThreshold, ContactSkin, Friction, Group, MassProperties,
     ReadMassProperties, Restitution, Sensor, SolverGroups,
 };
-use hullwright_formats::conventions::{BodyMotion, CombineRule, Surface};
+use hullwright_formats::conventions::{BodyMotion, CombineRule, SurfaceProperties};
 
 use crate::engine::DeclaredMass;
 
-pub(super) fn insert_surface(entity: &mut EntityCommands, surface: &Surface) {
+pub(super) fn insert_surface(entity: &mut EntityCommands, surface: &SurfaceProperties) {
     if surface.friction.is_some() || surface.friction_combine_rule.is_some() {
         let default = Friction::default();
         entity.try_insert_if_new(Friction {

@@ -18,7 +18,7 @@ use bevy_rapier3d::prelude::{
     RapierRigidBodySet, Restitution, RigidBody, Sensor, Sleeping, SoftCcd, SolverGroups,
 };
 #[cfg(feature = "bevy_gltf")]
-use hullwright_formats::conventions::{BodyMotion, Surface};
+use hullwright_formats::conventions::{BodyMotion, SurfaceProperties};
 use hullwright_parry::parry3d::mass_properties::MassProperties;
 use hullwright_parry::parry3d::shape::SharedShape;
 use hullwright_rapier::ContactDispatcher;
@@ -229,7 +229,7 @@ impl Engine for Rapier {
     }
 
     #[cfg(feature = "bevy_gltf")]
-    fn insert_surface(entity: &mut EntityCommands, surface: &Surface) {
+    fn insert_surface(entity: &mut EntityCommands, surface: &SurfaceProperties) {
         declared::insert_surface(entity, surface);
     }
 

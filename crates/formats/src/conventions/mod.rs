@@ -28,4 +28,4 @@ pub use physics::{
     PHYSICS_EXTENSIONS, PhysicsError, PhysicsExtensions,
 };
 #[cfg(feature = "extras")]
-pub use surface::{CombineRule, Events, Groups, Surface, read_surface};
+pub use surface::{CombineRule, Events, Groups, SurfaceProperties, read_surface};

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
 use super::extras::Body;
-use super::surface::{Surface, coefficient, combine_rule};
+use super::surface::{SurfaceProperties, coefficient, combine_rule};
 
 const KHR_BODIES: &str = "KHR_physics_rigid_bodies";
 const KHR_SHAPES: &str = "KHR_implicit_shapes";
@@ -97,7 +97,7 @@ pub struct DeclaredCollider {
     /// Its shape.
     pub geometry: Geometry,
     /// Its material.
-    pub surface: Surface,
+    pub surface: SurfaceProperties,
     /// What it collides with; `None` for everything.
     pub filter: Option<CollisionFilter>,
 }
@@ -366,7 +366,7 @@ impl<'a> PhysicsExtensions<'a> {
 }
 
 /// The material that a collider names.
-fn surface(lists: &Lists<'_>, collider: &Value) -> Read<Option<Surface>> {
+fn surface(lists: &Lists<'_>, collider: &Value) -> Read<Option<SurfaceProperties>> {
     let found = index(collider, "physicsMaterial", "physics material", lists.materials.len())?;
     let Some(material) = found.and_then(|index| lists.materials.get(index)) else {
         return Ok(None);
@@ -381,13 +381,13 @@ fn surface(lists: &Lists<'_>, collider: &Value) -> Read<Option<Surface>> {
         let read = |value| combine_rule(value).ok_or_else(|| wrong(material, key, expected));
         material.get(key).map(read).transpose()
     };
-    Ok(Some(Surface {
+    Ok(Some(SurfaceProperties {
         friction: Some(number("dynamicFriction")?.unwrap_or(DEFAULT_FRICTION)),
         static_friction: Some(number("staticFriction")?.unwrap_or(DEFAULT_FRICTION)),
         friction_combine_rule: rule("frictionCombine")?,
         restitution: Some(number("restitution")?.unwrap_or(0.0)),
         restitution_combine_rule: rule("restitutionCombine")?,
-        ..Surface::default()
+        ..SurfaceProperties::default()
     }))
 }
 
@@ -704,13 +704,13 @@ mod tests {
             (physics.and_then(|physics| physics.collider).expect("a collider"), errors.len())
         };
         let (collider, errors) = read(0, 0);
-        let surface = Surface {
+        let surface = SurfaceProperties {
             friction: Some(0.5),
             static_friction: Some(0.9),
             friction_combine_rule: Some(super::super::CombineRule::Min),
             restitution: Some(0.25),
             restitution_combine_rule: Some(super::super::CombineRule::Max),
-            ..Surface::default()
+            ..SurfaceProperties::default()
         };
         assert_eq!((collider.surface, errors), (surface, 0));
         let (systems, collide_with) = (vec!["a".into()], Some(vec!["b".into(), "c".into()]));
@@ -721,7 +721,10 @@ mod tests {
         assert_eq!(collider.filter.map(|of| of.not_collide_with), Some(vec!["a".to_owned()]));
         for (material, filter) in [(2, 2), (3, 3), (9, 9)] {
             let (collider, errors) = read(material, filter);
-            assert_eq!((collider.surface, collider.filter, errors), (Surface::default(), None, 2));
+            assert_eq!(
+                (collider.surface, collider.filter, errors),
+                (SurfaceProperties::default(), None, 2)
+            );
         }
     }
 

@@ -44,7 +44,7 @@ pub struct Events {
 #[non_exhaustive]
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(default)]
-pub struct Surface {
+pub struct SurfaceProperties {
     /// Coefficient of friction, at least 0.
     pub friction: Option<f32>,
     /// Coefficient of friction at rest, at least 0, for engines that have one of its own.
@@ -112,8 +112,8 @@ const RULES: [(&str, CombineRule); 6] = [
 /// assert_eq!(surface.collision_groups, Some(Groups { memberships: 0b1, filters: 0b101 }));
 /// assert!(complaints.is_empty());
 /// ```
-pub fn read_surface(text: &str) -> (Surface, Vec<Complaint>) {
-    let (mut surface, mut complaints) = (Surface::default(), Vec::new());
+pub fn read_surface(text: &str) -> (SurfaceProperties, Vec<Complaint>) {
+    let (mut surface, mut complaints) = (SurfaceProperties::default(), Vec::new());
     let Ok(Value::Object(extras)) = serde_json::from_str(text) else {
         return (surface, complaints);
     };
@@ -127,7 +127,7 @@ pub fn read_surface(text: &str) -> (Surface, Vec<Complaint>) {
     (surface, complaints)
 }
 
-impl Surface {
+impl SurfaceProperties {
     /// The same, with what it says nothing of from another one. O(1).
     #[must_use]
     pub fn or(self, other: Self) -> Self {
@@ -257,7 +257,7 @@ mod tests {
                 "contact_force_event_threshold": 10, "contact_skin": 0.01}}"#
             ));
             assert_eq!(complaints, Vec::<String>::new());
-            let expected = Surface {
+            let expected = SurfaceProperties {
                 friction: Some(0.25),
                 static_friction: None,
                 friction_combine_rule: Some(CombineRule::Min),
@@ -284,7 +284,7 @@ mod tests {
         }
         for text in ["", "1", "/", "1 /", "0 / 1", "1 / 33", "1 / 2 / 3", "a / 1", "-1 / 1"] {
             let (surface, complaints) = read(text);
-            assert_eq!((surface, complaints.len()), (Surface::default(), 1), "{text}");
+            assert_eq!((surface, complaints.len()), (SurfaceProperties::default(), 1), "{text}");
         }
     }
 
@@ -303,13 +303,13 @@ mod tests {
             let (surface, complaints) = read_surface(&format!(r#"{{"{key}": {value}}}"#));
             assert_eq!(
                 (surface, complaints.len()),
-                (Surface::default(), usize::from(is_only_ours))
+                (SurfaceProperties::default(), usize::from(is_only_ours))
             );
             let beside = format!(r#"{{"collider": "hulls", "{key}": {value}}}"#);
             assert_eq!(read_surface(&beside).1.len(), 1, "{beside}");
         }
         for text in ["", "[]", "{", "7"] {
-            assert_eq!(read_surface(text), (Surface::default(), Vec::new()));
+            assert_eq!(read_surface(text), (SurfaceProperties::default(), Vec::new()));
         }
     }
 
