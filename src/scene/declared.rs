@@ -1,7 +1,7 @@
 //! What a glTF file says of bodies, colliders and their surfaces, put on its nodes: extras such as
 //! `{"friction": 0.2}`, and the physics extensions.
 
-use bevy::ecs::query::QueryData;
+use bevy::ecs::query::{QueryData, QueryFilter};
 use bevy::ecs::system::SystemParam;
 use bevy::gltf::{GltfExtras, GltfMeshExtras, GltfSceneExtras};
 use bevy::prelude::*;
@@ -81,6 +81,16 @@ impl Saying<'_, '_> {
         hierarchy.is_some_and(|hierarchy| hierarchy.follows_artists)
     }
 
+    /// Whether the file says that a node above moves.
+    fn has_motion_above(&self, node: Entity) -> bool {
+        let physics = |above| self.said.get(above).ok()?.physics;
+        self.parents.iter_ancestors(node).filter_map(physics).any(|of| of.read().motion.is_some())
+    }
+
+    fn is_below<F: QueryFilter>(&self, node: Entity, of: &Query<(), F>) -> bool {
+        of.contains(node) || self.parents.iter_ancestors(node).any(|above| of.contains(above))
+    }
+
     /// The meshes of a node.
     fn primitives(&self, node: Entity) -> Vec<(Handle<Mesh>, Transform)> {
         let children = self.children.get(node).into_iter().flatten();
@@ -107,6 +117,7 @@ impl Saying<'_, '_> {
 pub(super) fn declare<E: Engine>(
     mut commands: Commands,
     saying: Saying,
+    bodies: Query<(), With<E::Body>>,
     mut groups_of_hulls: WrittenHulls,
     mut systems: ResMut<CollisionSystems>,
     mut complaints: Local<Complaints>,
@@ -136,8 +147,14 @@ pub(super) fn declare<E: Engine>(
         let Some(physics) = physics.filter(|_| !is_of_group) else { continue };
         let NodePhysics { motion, collider, trigger, .. } = physics.read();
         let place = saying.global.compute_global_transform(node).unwrap_or_default();
+        let has_body = || saying.has_motion_above(node) || saying.is_below(node, &bodies);
         if let Some(motion) = motion {
             insert_body::<E>(&mut commands.entity(node), motion, place);
+        } else if E::WITHOUT_BODY.is_some()
+            && (collider.is_some() || trigger.is_some())
+            && !has_body()
+        {
+            commands.entity(node).try_insert((E::body(Motion::Fixed), place));
         }
         // A node has one collider, and the one that extras request comes first.
         let mut is_taken = texts.iter().any(|text| read_extras(text).0.is_some());

@@ -258,6 +258,19 @@ fn transform(node: &json::Node) -> Transform {
     }
 }
 
+/// Says what helps where Bevy's loader refuses a file that requires a physics extension: it knows no
+/// extension of others, and asks none of those that read them.
+pub(super) fn explain_refusal(entity: Entity, error: &str) {
+    if error.contains("extensionsRequired")
+        && PHYSICS_EXTENSIONS.iter().any(|extension| error.contains(extension))
+    {
+        log::warn!(
+            "the file of {entity} requires a physics extension, which is why Bevy refuses it: load \
+             it with the settings `GltfLoaderSettings {{ validate: false, ..default() }}`"
+        );
+    }
+}
+
 /// Whichever comes first, this or Bevy's plugin for glTF.
 pub(super) fn read_physics(app: &mut App) {
     app.register_type::<GltfPhysics>()

@@ -121,6 +121,9 @@ impl<E: Engine> Scenes<'_, '_, E> {
             let state = self.server.as_ref().and_then(|server| server.get_load_state(&root.0));
             let instance = self.instances.get(entity).ok().zip(self.spawner.as_ref());
             let is_spawned = instance.is_some_and(|(id, spawner)| spawner.instance_is_ready(**id));
+            if let Some(LoadState::Failed(error)) = &state {
+                gltf_physics::explain_refusal(entity, &error.to_string());
+            }
             return Some((is_spawned, matches!(state, Some(LoadState::Failed(_)))));
         }
         let _ = entity;

@@ -28,6 +28,8 @@ mod meshes;
 mod order;
 mod parts;
 #[cfg(feature = "bevy_gltf")]
+mod physics;
+#[cfg(feature = "bevy_gltf")]
 mod pieces;
 mod scale;
 mod scenes;
@@ -35,5 +37,7 @@ mod sharing;
 #[cfg(all(feature = "bevy_gltf", feature = "serde"))]
 mod skein;
 mod skipping;
+#[cfg(feature = "bevy_gltf")]
+mod surfaces;
 mod tags;
 mod waiting;

@@ -231,3 +231,38 @@ pub fn held_by_engine(app: &mut App) -> (usize, usize) {
     let colliders = trees.iter_trees().map(|tree| tree.proxies.len()).sum();
     (world.resource::<SolverBodies>().len(), colliders)
 }
+
+fn rule_name(rule: CoefficientCombine) -> String {
+    format!("{rule:?}").to_lowercase()
+}
+
+/// The coefficient of sliding, and the rule's name.
+pub fn friction_of(app: &App, entity: Entity) -> Option<(f32, String)> {
+    let friction = app.get::<Friction>(entity)?;
+    Some((friction.dynamic_coefficient, rule_name(friction.combine_rule)))
+}
+
+pub fn restitution_of(app: &App, entity: Entity) -> Option<(f32, String)> {
+    let restitution = app.get::<Restitution>(entity)?;
+    Some((restitution.coefficient, rule_name(restitution.combine_rule)))
+}
+
+/// Memberships and filters.
+pub fn groups_of(app: &App, entity: Entity) -> Option<(u32, u32)> {
+    let layers = app.get::<CollisionLayers>(entity).filter(|of| **of != CollisionLayers::default());
+    layers.map(|layers| (layers.memberships.0, layers.filters.0))
+}
+
+pub fn sends_collisions(app: &App, entity: Entity) -> bool {
+    app.get::<CollisionEventsEnabled>(entity).is_some()
+}
+
+/// The distance by which it counts as larger.
+pub fn skin_of(app: &App, entity: Entity) -> Option<f32> {
+    app.get::<CollisionMargin>(entity).map(|margin| margin.0)
+}
+
+/// The angular velocity of a body in the engine.
+pub fn angular_velocity(app: &App, body: Entity) -> Vec3 {
+    app.get::<AngularVelocity>(body).unwrap().0
+}

@@ -243,3 +243,37 @@ pub fn held_by_engine(app: &mut App) -> (usize, usize) {
         world.query::<(&RapierRigidBodySet, &RapierContextColliders)>().single(world).unwrap();
     (bodies.bodies.len(), colliders.colliders.len())
 }
+
+fn rule_name(rule: CoefficientCombineRule) -> String {
+    format!("{rule:?}").to_lowercase()
+}
+
+/// The coefficient of sliding, and the rule's name.
+pub fn friction_of(app: &App, entity: Entity) -> Option<(f32, String)> {
+    let friction = app.get::<Friction>(entity)?;
+    Some((friction.coefficient, rule_name(friction.combine_rule)))
+}
+
+pub fn restitution_of(app: &App, entity: Entity) -> Option<(f32, String)> {
+    let restitution = app.get::<Restitution>(entity)?;
+    Some((restitution.coefficient, rule_name(restitution.combine_rule)))
+}
+
+/// Memberships and filters.
+pub fn groups_of(app: &App, entity: Entity) -> Option<(u32, u32)> {
+    app.get::<CollisionGroups>(entity).map(|of| (of.memberships.bits(), of.filters.bits()))
+}
+
+pub fn sends_collisions(app: &App, entity: Entity) -> bool {
+    app.get::<ActiveEvents>(entity) == Some(&ActiveEvents::COLLISION_EVENTS)
+}
+
+/// The distance by which it counts as larger.
+pub fn skin_of(app: &App, entity: Entity) -> Option<f32> {
+    app.get::<ContactSkin>(entity).map(|skin| skin.0)
+}
+
+/// The angular velocity of a body in the engine.
+pub fn angular_velocity(app: &App, body: Entity) -> Vec3 {
+    app.get::<Velocity>(body).unwrap().angular
+}

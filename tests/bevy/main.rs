@@ -28,6 +28,8 @@ mod meshes;
 mod order;
 mod parts;
 #[cfg(feature = "bevy_gltf")]
+mod physics;
+#[cfg(feature = "bevy_gltf")]
 mod pieces;
 mod rapier_only;
 mod scale;
@@ -36,5 +38,7 @@ mod sharing;
 #[cfg(all(feature = "bevy_gltf", feature = "serde"))]
 mod skein;
 mod skipping;
+#[cfg(feature = "bevy_gltf")]
+mod surfaces;
 mod tags;
 mod waiting;

@@ -262,8 +262,10 @@ impl Engine for Avian {
     }
 
     #[cfg(feature = "bevy_gltf")]
-    fn attach_declared(entity: &mut EntityCommands, shape: SharedShape, _: Vec3) {
-        Self::attach(entity, Collider::from(shape));
+    fn attach_declared(entity: &mut EntityCommands, shape: SharedShape, scale: Vec3) {
+        let mut collider = Collider::from(shape);
+        collider.set_scale(scale, SUBDIVISIONS);
+        Self::attach(entity, collider);
     }
 
     /// All kinematic bodies do.
