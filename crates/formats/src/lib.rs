@@ -44,6 +44,10 @@ mod gltf_data;
 #[cfg(feature = "meshes")]
 mod gltf_extensions;
 #[cfg(feature = "meshes")]
+mod gltf_groups;
+#[cfg(feature = "meshes")]
+pub mod gltf_hulls;
+#[cfg(feature = "meshes")]
 mod gltf_json;
 #[cfg(feature = "meshes")]
 mod gltf_nodes;
