@@ -323,7 +323,8 @@ fn wrote_scene(scene: &Scene<'_>, baked: &HullScene, kept: usize) -> String {
 }
 
 /// A file that gets the hulls of its meshes, and what it holds of them already.
-struct IntoFile {
+struct IntoFile<'a> {
+    input: &'a Path,
     jobs: Vec<(BakeJob, FoundHulls)>,
     file: HullsInFile,
     output: PathBuf,
@@ -357,12 +358,12 @@ fn bake_into(
 }
 
 /// Reads all files that can be read, and says what of them stays without hulls.
-fn files_to_change(
+fn files_to_change<'a>(
     arguments: &Arguments,
-    inputs: &[InputFile],
+    inputs: &'a [InputFile],
     options: &BakeOptions,
     results: &mut Results,
-) -> Result<Vec<IntoFile>, Failure> {
+) -> Result<Vec<IntoFile<'a>>, Failure> {
     let mut outputs = HashSet::new();
     let mut files = Vec::new();
     for input in inputs {
@@ -402,7 +403,13 @@ fn files_to_change(
                 print_warning(&format!("{}, node `{node}`: {edited}", path.display()));
             }
         }
-        files.push(IntoFile { jobs, file, output });
+        if arguments.output.is_some()
+            && let Some(other) = file.other_files().next()
+        {
+            let reason = format!("it names other files, such as {other}, which are not copied");
+            print_warning(&format!("{}: {reason}", path.display()));
+        }
+        files.push(IntoFile { input: path, jobs, file, output });
     }
     Ok(files)
 }
@@ -423,12 +430,12 @@ fn edited_by_hand(hulls: &EditedHulls) -> String {
 }
 
 fn bake_into_file(
-    into: IntoFile,
+    into: IntoFile<'_>,
     form: HullForm,
     control: impl Fn(usize) -> Control,
     results: &mut Results,
 ) {
-    let IntoFile { jobs, file, output } = into;
+    let IntoFile { input, jobs, file, output } = into;
     let mut written = WrittenInto::default();
     let mut meshes = Vec::new();
     for (index, (job, found)) in jobs.iter().enumerate() {
@@ -441,7 +448,7 @@ fn bake_into_file(
         let known = found.baked.clone().map(Ok);
         let baked = known.unwrap_or_else(|| job.run(&control(index))).map_err(|error| {
             let name = job.names.first().map_or("", String::as_str);
-            format!("{}, mesh `{name}`: {error}", output.display())
+            format!("{}, mesh `{name}`: {error}", input.display())
         });
         if let Some(baked) = results.keep(baked) {
             written.add(&[&edited[..], &[&baked.hulls]].concat(), found);
@@ -450,6 +457,10 @@ fn bake_into_file(
     }
     let written_file = file.write(form, &meshes).map_err(|error| error.to_string());
     let written_file = written_file.and_then(|bytes| {
+        // What watches the file shall see changes only.
+        if std::fs::read(&output).is_ok_and(|before| before == bytes) {
+            return Ok(());
+        }
         make_directory(&output)?;
         write_file(&output, &bytes).map_err(|error| error.to_string())
     });

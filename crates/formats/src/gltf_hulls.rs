@@ -148,6 +148,12 @@ impl Content {
         let is_unedited = self.read.as_ref().is_ok_and(|read| !read.edited);
         self.record.as_ref().ok().filter(|_| is_unedited)
     }
+
+    /// Whether someone edited the hulls, or wrote what can't be read. A group without any hull has
+    /// nothing of anyone's: a program lost them that does not know how they stand in the file.
+    fn is_kept(&self) -> bool {
+        self.unedited().is_none() && !self.hulls.is_empty()
+    }
 }
 
 impl Content {
@@ -218,7 +224,7 @@ impl HullsInFile {
         let hash = MeshHash::of(&job.mesh);
         let mut found = FoundHulls::default();
         for node in job.gltf_nodes.iter().map(|node| *node as usize) {
-            let edited = self.groups_of(node).filter(|group| group.content.unedited().is_none());
+            let edited = self.groups_of(node).filter(|group| group.content.is_kept());
             let before = found.edited.len();
             found.edited.extend(edited.map(|group| EditedHulls {
                 node: base_name(&self.root, node),
@@ -249,6 +255,14 @@ impl HullsInFile {
         found
     }
 
+    /// The other files that the file names, as it names them: buffers and images. A copy elsewhere
+    /// lacks them.
+    pub fn other_files(&self) -> impl Iterator<Item = &str> {
+        let named = ["buffers", "images"].into_iter().flat_map(|name| list(&self.root, name));
+        let uris = named.filter_map(|of| of.get("uri")?.as_str());
+        uris.filter(|uri| !uri.starts_with("data:"))
+    }
+
     /// The bytes of the file with these hulls. Nodes whose hulls were edited keep them, nodes with a
     /// collider or trigger of their own get none, and hulls of other nodes that were not edited are
     /// taken out. A file that holds all of it already stays as it is. O(size).
@@ -261,6 +275,10 @@ impl HullsInFile {
         let mut in_place = BTreeSet::new();
         let mut all = Vec::new();
         for mesh in meshes {
+            let exists = |node: &u32| (*node as usize) < list(&self.root, "nodes").len();
+            if let Some(node) = mesh.nodes.iter().find(|node| !exists(node)) {
+                return Err(in_file(format!("there is no node {node}")));
+            }
             let addition = self.addition(mesh)?;
             for &node in &addition.nodes {
                 let [group] = self.groups_of(node).collect::<Vec<_>>()[..] else { continue };
@@ -273,7 +291,7 @@ impl HullsInFile {
         }
         let (stale, kept): (Vec<&KnownGroup>, Vec<&KnownGroup>) =
             self.groups.iter().partition(|group| {
-                let is_replaced = group.parent.is_some() && group.content.unedited().is_some();
+                let is_replaced = group.parent.is_some() && !group.content.is_kept();
                 is_replaced && !in_place.contains(&group.node)
             });
         let with_place: BTreeSet<usize> = kept.iter().filter_map(|group| group.parent).collect();
@@ -309,8 +327,8 @@ impl HullsInFile {
     fn addition(&self, mesh: &MeshHulls<'_>) -> Result<Addition, Error> {
         let MeshHulls { nodes, baked } = mesh;
         let nodes = nodes.iter().map(|node| *node as usize).filter(|node| {
-            let is_edited = self.groups_of(*node).any(|group| group.content.unedited().is_none());
-            !is_edited && !has_collider(&self.root, *node)
+            let is_kept = self.groups_of(*node).any(|group| group.content.is_kept());
+            !is_kept && !has_collider(&self.root, *node)
         });
         let nodes: Vec<usize> = nodes.collect();
         // Hulls that come from the file are written as they stand there.
