@@ -403,8 +403,9 @@ impl HullsInFile {
         // What is written anew must be what was there, so that nothing of someone else's is lost.
         let base = stripped.clone();
         stripped.add(first.form, &self.all_as_before()?).ok()?;
-        let is_same =
-            stripped.root.to_string() == whole.root.to_string() && stripped.binary == whole.binary;
+        // As text, since values with their keys in another order are equal.
+        let text = |document: &Growing| document.root.to_string();
+        let is_same = text(&stripped) == text(&whole) && stripped.binary == whole.binary;
         is_same.then_some(base)
     }
 
@@ -633,7 +634,7 @@ impl Growing {
         if used.is_empty() {
             return Ok(());
         }
-        let has_short = used.iter().flat_map(|of| &of.hulls).any(|hull| is_short(hull));
+        let has_short = used.iter().flat_map(|of| &of.hulls).any(is_short);
         for addition in used {
             let first = addition.nodes.first().copied().unwrap_or_default();
             let base = base_name(&self.root, first);
