@@ -43,13 +43,14 @@ pub struct Arguments {
     per_mesh: bool,
 
     /// Writes the hulls back into each glTF or GLB file, or with -o into a file of its name there:
-    /// as colliders of KHR_physics_rigid_bodies, or with --into=ucx as meshes UCX_…, Unreal's names
+    /// as colliders (KHR_physics_rigid_bodies), or with =ucx as meshes with Unreal's names
     #[arg(
         long,
         value_name = "FORM",
         value_enum,
         num_args = 0..=1,
         require_equals = true,
+        hide_possible_values = true,
         default_missing_value = "physics",
         conflicts_with_all = ["per_mesh", "triangles"]
     )]
@@ -75,12 +76,11 @@ pub struct Arguments {
     parameters: ParameterArguments,
 }
 
+// With a line for each value all of the help would be twice as long.
 /// How hulls stand in the file of their meshes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 enum IntoForm {
-    /// Colliders of KHR_physics_rigid_bodies, which nothing draws
     Physics,
-    /// Meshes UCX_…, Unreal's names; programs without a rule for them draw them
     Ucx,
 }
 
