@@ -9,6 +9,7 @@ use hullwright_cli::terminal::{Failure, count, print, print_error, print_warning
 use hullwright_formats::bake::{
     BakeJob, BakeOptions, bake_jobs, bake_triangles, extras_complaints,
 };
+use hullwright_formats::gltf_hulls::{EditedHulls, FoundHulls, HullForm, HullsInFile, MeshHulls};
 use hullwright_formats::{Format, SceneMesh, read_scene, write_file};
 
 use crate::arguments::{ParameterArguments, SCENE_SUFFIX, ThreadArguments, Uses};
@@ -24,7 +25,8 @@ use crate::report::vertices;
     node's transform is applied), all its primitives together, known by its content. Names and extras \
     are followed as the Bevy plugin's `ConvexDecompositionHierarchy` follows them. What an earlier file \
     holds of the same content and parameters is kept. Of a folder, all glTF and GLB files below it; what \
-    can't be baked is named at the end, and the rest is baked."
+    can't be baked is named at the end, and the rest is baked. With --into hulls go into the glTF or GLB \
+    file itself, below the nodes that show the meshes; those that were edited by hand stay."
 )]
 pub struct Arguments {
     #[arg(help = format!("The scenes: {}, or folders", Format::suffix_list()), required = true, value_name = "SCENE")]
@@ -39,6 +41,20 @@ pub struct Arguments {
     /// are ignored
     #[arg(long)]
     per_mesh: bool,
+
+    /// Writes the hulls back into each glTF or GLB file, or with -o into a file of its name there:
+    /// as colliders (KHR_physics_rigid_bodies), or with =ucx as meshes with Unreal's names
+    #[arg(
+        long,
+        value_name = "FORM",
+        value_enum,
+        num_args = 0..=1,
+        require_equals = true,
+        hide_possible_values = true,
+        default_missing_value = "physics",
+        conflicts_with_all = ["per_mesh", "triangles"]
+    )]
+    into: Option<IntoForm>,
 
     /// Only meshes with an artist's name or extra, as `ConvexDecompositionHierarchy::tagged_only`
     #[arg(long, conflicts_with = "per_mesh")]
@@ -58,6 +74,14 @@ pub struct Arguments {
 
     #[command(flatten)]
     parameters: ParameterArguments,
+}
+
+// With a line for each value all of the help would be twice as long.
+/// How hulls stand in the file of their meshes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+enum IntoForm {
+    Physics,
+    Ucx,
 }
 
 /// A file to be baked.
@@ -85,9 +109,16 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             Ok(()) => {}
         }
     }
-    match arguments.per_mesh {
-        true => bake_meshes(arguments, &inputs, &method, &mut results)?,
-        false => bake_scenes(arguments, &inputs, &method, &mut results)?,
+    match (arguments.per_mesh, arguments.into) {
+        (true, _) => bake_meshes(arguments, &inputs, &method, &mut results)?,
+        (false, None) => bake_scenes(arguments, &inputs, &method, &mut results)?,
+        (false, Some(form)) => {
+            let form = match form {
+                IntoForm::Physics => HullForm::Physics,
+                IntoForm::Ucx => HullForm::Ucx,
+            };
+            bake_into(arguments, &inputs, (&method, form), &mut results)?;
+        }
     }
     results.report()
 }
@@ -289,6 +320,201 @@ fn wrote_scene(scene: &Scene<'_>, baked: &HullScene, kept: usize) -> String {
         count(hulls, "hull", "hulls"),
         count(vertices, "vertex", "vertices")
     )
+}
+
+/// A file that gets the hulls of its meshes, and what it holds of them already.
+struct IntoFile<'a> {
+    input: &'a Path,
+    jobs: Vec<(BakeJob, FoundHulls)>,
+    file: HullsInFile,
+    output: PathBuf,
+}
+
+/// Each scene's hulls into the file of the scene.
+fn bake_into(
+    arguments: &Arguments,
+    inputs: &[InputFile],
+    (method, form): (&Method, HullForm),
+    results: &mut Results,
+) -> Result<(), Failure> {
+    let options =
+        BakeOptions::new(method.clone()).with_tagged_only(arguments.tagged_only).with_written(true);
+    let files = files_to_change(arguments, inputs, &options, results)?;
+    let pool = arguments.threads.pool()?;
+    let bar = LateBar::start();
+    let parts = files.iter().map(|file| file.jobs.len()).sum();
+    let mut done = 0;
+    for file in files {
+        let count = file.jobs.len();
+        let control = |index: usize| {
+            let control = bar.control_of_part(done + index, parts);
+            control.with_parallel(arguments.threads.is_parallel())
+        };
+        pool.install(|| bake_into_file(file, form, control, results));
+        done += count;
+    }
+    bar.finish();
+    Ok(())
+}
+
+/// Reads all files that can be read, and says what of them stays without hulls.
+fn files_to_change<'a>(
+    arguments: &Arguments,
+    inputs: &'a [InputFile],
+    options: &BakeOptions,
+    results: &mut Results,
+) -> Result<Vec<IntoFile<'a>>, Failure> {
+    let mut outputs = HashSet::new();
+    let mut files = Vec::new();
+    for input in inputs {
+        let path = &input.path;
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        let output = output_of(arguments, input, &name);
+        if !outputs.insert(output.clone()) {
+            let reason = format!("two scenes would be written to {}", output.display());
+            return Err(Failure::Usage(reason));
+        }
+        if Format::from_path(path).is_some_and(|format| format != Format::Gltf) {
+            let reason = "hulls can be written into glTF and GLB files only";
+            results.failures.push(format!("{}: {reason}", path.display()));
+            continue;
+        }
+        let Some(meshes) = results.keep(with_triangles(read_scene(path), input)) else { continue };
+        let file = HullsInFile::read(path).map_err(|error| error.to_string());
+        let Some(file) = results.keep(file) else { continue };
+        notes::warn(meshes.iter().flat_map(|mesh| &mesh.notes), path);
+        for complaint in extras_complaints(&meshes) {
+            print_warning(&format!("{}, {complaint}", path.display()));
+        }
+        let jobs = bake_jobs(meshes, options).into_iter();
+        let jobs: Vec<(BakeJob, FoundHulls)> = jobs
+            .map(|job| {
+                let found = file.found(&job);
+                (job, found)
+            })
+            .collect();
+        for (_, found) in &jobs {
+            for node in &found.with_collider {
+                let reason = "it has a collider or trigger of its own and gets no hulls";
+                print_warning(&format!("{}, node `{node}`: {reason}", path.display()));
+            }
+            for edited in &found.edited {
+                let (node, edited) = (&edited.node, edited_by_hand(edited));
+                print_warning(&format!("{}, node `{node}`: {edited}", path.display()));
+            }
+        }
+        if arguments.output.is_some()
+            && let Some(other) = file.other_files().next()
+        {
+            let reason = format!("it names other files, such as {other}, which are not copied");
+            print_warning(&format!("{}: {reason}", path.display()));
+        }
+        files.push(IntoFile { input: path, jobs, file, output });
+    }
+    Ok(files)
+}
+
+/// Says why hulls stay as they are, and what is wrong with them.
+fn edited_by_hand(hulls: &EditedHulls) -> String {
+    let mut said = match &hulls.read {
+        Ok(_) => "its hulls were edited by hand: kept".to_owned(),
+        Err(reason) => format!("its hulls are kept, though {reason}"),
+    };
+    if hulls.mesh_changed {
+        said += ", but the mesh has changed since they were made";
+    }
+    for error in hulls.read.iter().flat_map(|read| &read.left_out) {
+        said += &format!("; {error}");
+    }
+    said
+}
+
+fn bake_into_file(
+    into: IntoFile<'_>,
+    form: HullForm,
+    control: impl Fn(usize) -> Control,
+    results: &mut Results,
+) {
+    let IntoFile { input, jobs, file, output } = into;
+    let mut written = WrittenInto::default();
+    let mut meshes = Vec::new();
+    for (index, (job, found)) in jobs.iter().enumerate() {
+        let edited = found.edited.iter().filter_map(|edited| edited.read.as_ref().ok());
+        let edited: Vec<&HullsFile> = edited.map(|read| &read.baked.hulls).collect();
+        if found.open_nodes == 0 {
+            written.add(&edited, found);
+            continue;
+        }
+        let known = found.baked.clone().map(Ok);
+        let baked = known.unwrap_or_else(|| job.run(&control(index))).map_err(|error| {
+            let name = job.names.first().map_or("", String::as_str);
+            format!("{}, mesh `{name}`: {error}", input.display())
+        });
+        if let Some(baked) = results.keep(baked) {
+            written.add(&[&edited[..], &[&baked.hulls]].concat(), found);
+            meshes.push(MeshHulls { nodes: &job.gltf_nodes, baked });
+        }
+    }
+    let written_file = file.write(form, &meshes).map_err(|error| error.to_string());
+    let written_file = written_file.and_then(|bytes| {
+        // What watches the file shall see changes only.
+        if std::fs::read(&output).is_ok_and(|before| before == bytes) {
+            return Ok(());
+        }
+        make_directory(&output)?;
+        write_file(&output, &bytes).map_err(|error| error.to_string())
+    });
+    if results.keep(written_file).is_some() {
+        results.lines.push(written.line(&output));
+        results.lines.extend(written.exceeded);
+    }
+}
+
+/// What was written into a file.
+#[derive(Default)]
+struct WrittenInto {
+    meshes: usize,
+    as_before: usize,
+    edited: usize,
+    hulls: usize,
+    vertices: usize,
+    exceeded: Vec<String>,
+}
+
+impl WrittenInto {
+    /// Counts a mesh with its hulls, unless it has none.
+    fn add(&mut self, files: &[&HullsFile], found: &FoundHulls) {
+        let is_edited = !found.edited.is_empty();
+        if files.is_empty() && !is_edited {
+            return;
+        }
+        self.meshes += 1;
+        self.as_before += usize::from(found.baked.is_some());
+        self.edited += usize::from(is_edited);
+        self.hulls += files.iter().map(|file| file.hulls.len()).sum::<usize>();
+        self.vertices += files.iter().map(|file| vertices(&file.hulls)).sum::<usize>();
+        self.exceeded.extend(files.iter().filter_map(|file| exceeded_bound(file)));
+    }
+
+    fn line(&self, output: &Path) -> String {
+        let of_these = [(self.as_before, "as before"), (self.edited, "edited by hand")];
+        let of_these: Vec<String> = of_these
+            .iter()
+            .filter(|(count, _)| *count > 0)
+            .map(|(count, what)| format!("{count} {what}"))
+            .collect();
+        let of_these = match of_these[..] {
+            [] => String::new(),
+            _ => format!(" ({})", of_these.join(", ")),
+        };
+        format!(
+            "wrote {}: {}{of_these}, {}, {}",
+            output.display(),
+            count(self.meshes, "mesh", "meshes"),
+            count(self.hulls, "hull", "hulls"),
+            count(self.vertices, "vertex", "vertices")
+        )
+    }
 }
 
 /// A file name longer than this is refused by some file systems, suffix and number included.

@@ -42,6 +42,9 @@ pub struct BakeOptions {
     /// Whether names and extras are followed, see [`conventions`](crate::conventions). Default
     /// true.
     pub follows_artists: bool,
+    /// Whether meshes are baked too whose hulls their file holds, as
+    /// [`HullsInFile`](crate::gltf_hulls::HullsInFile) writes them. Default false.
+    pub written: bool,
 }
 
 impl Default for BakeOptions {
@@ -51,6 +54,7 @@ impl Default for BakeOptions {
             tagged_only: false,
             triangles: false,
             follows_artists: true,
+            written: false,
         }
     }
 }
@@ -65,6 +69,13 @@ impl BakeOptions {
     #[must_use]
     pub fn with_tagged_only(mut self, tagged_only: bool) -> Self {
         self.tagged_only = tagged_only;
+        self
+    }
+
+    /// The same with or without meshes whose hulls their file holds.
+    #[must_use]
+    pub fn with_written(mut self, written: bool) -> Self {
+        self.written = written;
         self
     }
 
@@ -84,6 +95,8 @@ pub struct BakeJob {
     pub names: Vec<String>,
     /// The indices of the meshes with this content in the glTF file.
     pub gltf_meshes: Vec<u32>,
+    /// The indices of the nodes that show one of them in the glTF file.
+    pub gltf_nodes: Vec<u32>,
     /// The mesh, in single precision, as engines have it.
     pub mesh: TriangleMesh,
     /// What its triangles are made of: the parts of the first of the meshes with this content,
@@ -100,7 +113,8 @@ pub struct BakeJob {
 /// cut into other primitives: their hulls are said to be made of the parts of the first.
 ///
 /// A mesh is baked with the parameters of each node that shows it; one that no node shows with
-/// those of its own name and extras, since a game may spawn it.
+/// those of its own name and extras, since a game may spawn it. A node whose file holds the hulls of
+/// its mesh counts only if the options say so.
 pub fn bake_jobs(meshes: Vec<SceneMesh>, options: &BakeOptions) -> Vec<BakeJob> {
     let with_pieces = meshes_with_pieces(&meshes);
     let node_names: Vec<String> =
@@ -127,6 +141,7 @@ pub fn bake_jobs(meshes: Vec<SceneMesh>, options: &BakeOptions) -> Vec<BakeJob> 
                 jobs.push(BakeJob {
                     names: Vec::new(),
                     gltf_meshes: Vec::new(),
+                    gltf_nodes: Vec::new(),
                     mesh: mesh.mesh.clone(),
                     parts: mesh.parts.clone(),
                     parameters,
@@ -135,6 +150,7 @@ pub fn bake_jobs(meshes: Vec<SceneMesh>, options: &BakeOptions) -> Vec<BakeJob> 
             });
             let indices = &mut jobs[job].gltf_meshes;
             indices.extend(mesh.index.filter(|index| !indices.contains(index)));
+            jobs[job].gltf_nodes.extend(node.index);
             for name in [&mesh.name, &node.name] {
                 let names = &mut jobs[job].names;
                 if !name.is_empty() && !names.contains(name) {
@@ -219,6 +235,9 @@ impl BakeOptions {
         node: &SceneNode,
         with_pieces: &HashSet<String>,
     ) -> Option<Option<Method>> {
+        if node.has_hulls && !self.written {
+            return Some(None);
+        }
         if !self.follows_artists {
             return None;
         }
@@ -238,6 +257,9 @@ impl BakeOptions {
         node: &SceneNode,
         with_pieces: &HashSet<String>,
     ) -> bool {
+        if node.has_hulls && !self.written {
+            return false;
+        }
         if !self.follows_artists {
             return true;
         }

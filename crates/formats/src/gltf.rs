@@ -6,6 +6,7 @@
 //! data is preferred to an uncompressed copy beside it.
 
 use std::borrow::Cow;
+use std::collections::btree_map::Entry;
 use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
 
@@ -15,6 +16,7 @@ use hullwright::hulls_format::MeshPart;
 
 use super::gltf_data::{Beside, Data, DracoMesh, DracoStream};
 use super::gltf_extensions::{INSTANCING, check_required};
+use super::gltf_groups::{Group, Groups, HullNode};
 use super::gltf_json::{
     Document, FIRST_VERSION, entries, entry, indices, is_true, key, list, needed_number,
     optional_number, text, whole,
@@ -52,8 +54,17 @@ pub(super) fn read(bytes: &[u8], beside: Beside<'_>) -> Result<MeshFile, String>
 pub(super) fn read_scene(bytes: &[u8], beside: Beside<'_>) -> Result<Vec<SceneMesh>, String> {
     let mut told = Vec::new();
     let file = read_with(bytes, beside, |scene| {
+        let groups = &Groups::of(scene.document)?;
+        let with_hulls: BTreeSet<usize> =
+            groups.list.iter().filter_map(|group| group.parent).collect();
         let nodes_of = nodes_of_meshes(scene.document);
-        for (index, nodes) in nodes_of.into_iter().enumerate() {
+        for (index, mut nodes) in nodes_of.into_iter().enumerate() {
+            // Hulls of another mesh are none of their own.
+            let is_shown = !nodes.is_empty();
+            nodes.retain(|(node, _)| !groups.contain(*node));
+            if is_shown && nodes.is_empty() {
+                continue;
+            }
             let (objects, parts) = (scene.file.objects.len(), scene.file.parts.list.len());
             scene.add_own_space(index)?;
             scene.note_skins(index, &nodes);
@@ -61,7 +72,12 @@ pub(super) fn read_scene(bytes: &[u8], beside: Beside<'_>) -> Result<Vec<SceneMe
             // A mesh without triangles is no object.
             if scene.file.objects.len() > objects {
                 let extras = entries(&scene.document.meshes).get(index).and_then(extras);
-                let nodes = nodes.into_iter().map(|(_, node)| scene_node(node)).collect();
+                let scene_node = |(index, node)| SceneNode {
+                    index: Some(index as u32),
+                    has_hulls: with_hulls.contains(&index),
+                    ..scene_node(node)
+                };
+                let nodes = nodes.into_iter().map(scene_node).collect();
                 let parts = parts..scene.file.parts.list.len();
                 told.push((Some(index as u32), parts, extras, nodes, notes));
             }
@@ -81,12 +97,59 @@ pub(super) fn read_scene(bytes: &[u8], beside: Beside<'_>) -> Result<Vec<SceneMe
     Ok(meshes.collect())
 }
 
+/// The groups of hulls of a document.
+#[derive(Default)]
+pub(super) struct HullGroups {
+    pub(super) groups: Vec<Group>,
+    /// The extras of each group.
+    pub(super) extras: Vec<String>,
+    /// For each group the index of its hulls among `sets`: groups of nodes that show one mesh have
+    /// the same.
+    pub(super) set_of: Vec<usize>,
+    pub(super) sets: Vec<Vec<RawHull>>,
+}
+
+/// A hull as its mesh holds it, in the space of the node that shows the mesh.
+#[derive(Clone)]
+pub(super) struct RawHull {
+    pub(super) positions: Vec<[f64; 3]>,
+    pub(super) triangles: Vec<[u32; 3]>,
+}
+
+/// The groups of hulls of a document, in the order of their nodes.
+pub(super) fn read_hull_groups(bytes: &[u8], beside: Beside<'_>) -> Result<HullGroups, String> {
+    let mut read = HullGroups::default();
+    read_with(bytes, beside, |scene| {
+        let groups = Groups::of(scene.document)?;
+        let mut known: BTreeMap<Vec<(usize, [u64; 12])>, usize> = BTreeMap::new();
+        for group in groups.list {
+            let place =
+                |hull: &HullNode| (hull.mesh, hull.transform.to_cols_array().map(f64::to_bits));
+            let set = match known.entry(group.hulls.iter().map(place).collect()) {
+                Entry::Occupied(known) => *known.get(),
+                Entry::Vacant(new) => {
+                    let at_group = |reason| format!("hulls at node {}: {reason}", group.node);
+                    let hulls = group.hulls.iter().map(|hull| scene.raw_hull(hull));
+                    read.sets.push(hulls.collect::<Result<_, _>>().map_err(at_group)?);
+                    *new.insert(read.sets.len() - 1)
+                }
+            };
+            let node = entry(&scene.document.nodes, "node", group.node)?;
+            read.extras.push(extras(node).unwrap_or_default());
+            read.set_of.push(set);
+            read.groups.push(group);
+        }
+        Ok(())
+    })?;
+    Ok(read)
+}
+
 fn read_with(
     bytes: &[u8],
     beside: Beside<'_>,
     read: impl FnOnce(&mut Scene<'_>) -> Result<(), String>,
 ) -> Result<MeshFile, String> {
-    let (json, chunk) = if bytes.starts_with(b"glTF") { split_glb(bytes)? } else { (bytes, None) };
+    let Chunks { json, binary: chunk, .. } = Chunks::of(bytes)?;
     let document = Document::parse(json)?;
     for extension in entries(&document.extensions_required) {
         check_required(extension.as_str().unwrap_or_default())?;
@@ -105,8 +168,27 @@ fn read_with(
     Ok(scene.file)
 }
 
-/// The JSON of a GLB, and the chunk of binary data if there is one.
-fn split_glb(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), String> {
+/// The parts of a file.
+#[derive(Clone, Copy)]
+pub(super) struct Chunks<'a> {
+    pub(super) json: &'a [u8],
+    /// The chunk of binary data of a GLB, if there is one.
+    pub(super) binary: Option<&'a [u8]>,
+    /// The other chunks of a GLB, with their headers.
+    pub(super) others: &'a [u8],
+    pub(super) is_glb: bool,
+}
+
+impl<'a> Chunks<'a> {
+    pub(super) fn of(bytes: &'a [u8]) -> Result<Self, String> {
+        match bytes.starts_with(b"glTF") {
+            true => split_glb(bytes),
+            false => Ok(Self { json: bytes, binary: None, others: &[], is_glb: false }),
+        }
+    }
+}
+
+fn split_glb(bytes: &[u8]) -> Result<Chunks<'_>, String> {
     let header = bytes.first_chunk::<GLB_HEADER>().map(|header| header.as_chunks::<4>().0);
     let Some(&[_, version, length]) = header else {
         return Err(format!("GLB: it ends within its header of {GLB_HEADER} bytes"));
@@ -124,10 +206,10 @@ fn split_glb(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), String> {
     }
     let (json, rest) = split_chunk(&bytes[GLB_HEADER..length], b"JSON")?;
     let json = json.ok_or("GLB: its first chunk is of another kind, and JSON would be read")?;
-    let (chunk, _) = split_chunk(rest, b"BIN\0")?;
+    let (binary, others) = split_chunk(rest, b"BIN\0")?;
     // Some exporters fill the chunk up with zeros, not with spaces.
     let end = json.iter().rposition(|byte| *byte != 0).map_or(0, |last| last + 1);
-    Ok((&json[..end], chunk))
+    Ok(Chunks { json: &json[..end], binary, others, is_glb: true })
 }
 
 /// The first chunk, if it is of this kind, and what follows it.
@@ -189,6 +271,7 @@ impl Scene<'_> {
             }
             return Ok(());
         }
+        let groups = Groups::of(self.document)?;
         let mut is_reached = vec![false; nodes.len()];
         for tree in self.trees()? {
             if is_reached.get(tree) == Some(&true) {
@@ -202,6 +285,10 @@ impl Scene<'_> {
                     return Err(format!(
                         "node {index} has two parents or is inside of itself, and a tree would be read"
                     ));
+                }
+                // Hulls are no part of the mesh that they are of.
+                if groups.contain(index) {
+                    continue;
                 }
                 if is_hidden(node) {
                     self.file.note(NoteKind::HiddenNodes, 1);
@@ -253,6 +340,19 @@ impl Scene<'_> {
         let rotation = of.rotation.map(|index| self.vectors(index)).transpose()?;
         let scale = of.scale.map(|index| self.vectors(index)).transpose()?;
         instance_transforms(translation, rotation, scale)
+    }
+
+    fn raw_hull(&mut self, hull: &HullNode) -> Result<RawHull, String> {
+        let mesh = &self.file.mesh;
+        let (vertex, triangle) = (mesh.positions.len(), mesh.triangles.len());
+        self.add_mesh(hull.mesh, None, &hull.transform)?;
+        let mesh = &self.file.mesh;
+        let triangles = mesh.triangles.iter().skip(triangle);
+        let first = vertex as u32;
+        Ok(RawHull {
+            positions: mesh.positions.iter().skip(vertex).copied().collect(),
+            triangles: triangles.map(|corners| corners.map(|index| index - first)).collect(),
+        })
     }
 
     fn add_own_space(&mut self, index: usize) -> Result<(), String> {
@@ -594,7 +694,8 @@ fn material<'a>(document: &'a Document<'a>, primitive: &Json<'_>) -> Option<&'a 
 }
 
 fn scene_node(node: &Json<'_>) -> SceneNode {
-    SceneNode { name: text(node, "name").unwrap_or_default().to_owned(), extras: extras(node) }
+    let name = text(node, "name").unwrap_or_default().to_owned();
+    SceneNode { name, extras: extras(node), ..SceneNode::default() }
 }
 
 /// The nodes that show each mesh, with their indices.

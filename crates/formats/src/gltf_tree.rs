@@ -14,11 +14,12 @@ use serde_json::value::RawValue;
 const EXTRAS: &str = "extras";
 
 /// The keys that are kept, the shorter first, so that few texts are compared to find one.
-const KEYS: [&str; 64] = [
+const KEYS: [&str; 68] = [
     "uri",
     "mesh",
     "mode",
     "name",
+    "node",
     "skin",
     "type",
     "SCALE",
@@ -50,7 +51,9 @@ const KEYS: [&str; 64] = [
     "POSITION",
     "ROTATION",
     "children",
+    "collider",
     "fallback",
+    "geometry",
     "material",
     "rotation",
     "WEIGHTS_0",
@@ -78,6 +81,7 @@ const KEYS: [&str; 64] = [
     "EXT_mesh_gpu_instancing",
     "EXT_meshopt_compression",
     "KHR_meshopt_compression",
+    "KHR_physics_rigid_bodies",
     "KHR_draco_mesh_compression",
 ];
 

@@ -20,6 +20,7 @@
 //! | hulls | OBJ or GLB with a colour per hull | [`write_hulls`], [`hulls_to_bytes`] |
 //! | bytes | a file, all or nothing | [`write_file`] |
 //! | a scene | the hulls of all its meshes in one file | [`bake`] |
+//! | a glTF file | the hulls of its meshes in the file itself | [`gltf_hulls`] |
 //! | names and extras of a glTF file | the colliders that they stand for | [`conventions`] |
 //!
 //! `.hulls` and `.hullscene` files are read and written as bytes by [`hullwright::hulls_format`].
@@ -29,7 +30,7 @@
 //! | feature | what it adds |
 //! |---|---|
 //! | `meshes` (default) | readers and writers of mesh files, and baking; without it [`write_file`] and names are left |
-//! | `extras` (in `meshes`) | extras of glTF files |
+//! | `extras` (in `meshes`) | extras of glTF files: those of artists, and those of hulls in the file |
 
 #![cfg_attr(docsrs, feature(doc_cfg))]
 
@@ -43,6 +44,10 @@ mod gltf;
 mod gltf_data;
 #[cfg(feature = "meshes")]
 mod gltf_extensions;
+#[cfg(feature = "meshes")]
+mod gltf_groups;
+#[cfg(feature = "meshes")]
+pub mod gltf_hulls;
 #[cfg(feature = "meshes")]
 mod gltf_json;
 #[cfg(feature = "meshes")]

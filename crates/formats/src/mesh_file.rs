@@ -291,6 +291,11 @@ pub struct SceneMesh {
 pub struct SceneNode {
     /// Its name; may be empty.
     pub name: String,
+    /// Its index among the nodes of the glTF file; `None` from a file of another format.
+    pub index: Option<u32>,
     /// Its extras: custom properties, as JSON.
     pub extras: Option<String>,
+    /// Whether the file holds hulls of its mesh, as
+    /// [`HullsInFile`](crate::gltf_hulls::HullsInFile) writes them.
+    pub has_hulls: bool,
 }

@@ -124,7 +124,7 @@ pub fn read_own_meshes(path: impl AsRef<Path>) -> Result<Vec<NamedMesh>, Error> 
 
 /// Text as UTF-8, without the mark that some editors put before it, which would hide the first
 /// line. What has no mark of UTF-16 is left as it is.
-fn decoded(bytes: &[u8]) -> Cow<'_, [u8]> {
+pub(super) fn decoded(bytes: &[u8]) -> Cow<'_, [u8]> {
     let utf_16 = |from_bytes: fn([u8; 2]) -> u16| {
         let (pairs, _) = bytes.as_chunks::<2>();
         let units = pairs.iter().skip(1).map(|pair| from_bytes(*pair));

@@ -122,17 +122,17 @@ fn obj_from_hulls<'a, H: Into<MeshView<'a>>>(hulls: impl IntoIterator<Item = H>)
 }
 
 /// glTF's codes for component types and for what a buffer view is for.
-const UNSIGNED_SHORT: u32 = 5123;
-const UNSIGNED_INT: u32 = 5125;
-const FLOAT: u32 = 5126;
-const VERTICES: u32 = 34962;
-const INDICES: u32 = 34963;
+pub(super) const UNSIGNED_SHORT: u32 = 5123;
+pub(super) const UNSIGNED_INT: u32 = 5125;
+pub(super) const FLOAT: u32 = 5126;
+pub(super) const VERTICES: u32 = 34962;
+pub(super) const INDICES: u32 = 34963;
 
 /// Moderately glossy, so that edges show in any light.
 const ROUGHNESS: f64 = 0.6;
 
 /// The greatest 16-bit integer may not be used as an index.
-const MOST_SHORT_INDICES: usize = 65_535;
+pub(super) const MOST_SHORT_INDICES: usize = 65_535;
 
 /// Hulls as [`write_hulls`](super::write_hulls) describes. There are no normals, so that viewers
 /// shade the faces flat. The error, in words, is a file of more than 4 GiB or a coordinate that
@@ -148,7 +148,7 @@ fn glb_from_hulls<'a, H: Into<MeshView<'a>>>(
         parts.add(index, hull, centre)?;
     }
     let json = parts.document(centre).to_string().into_bytes();
-    assemble(json, parts.bytes)
+    assemble(json, parts.bytes, &[])
 }
 
 /// The middle of the bounding box.
@@ -176,19 +176,10 @@ impl Parts {
         let name = format!("hull_{index}");
         let positions = self.add_positions(hull, Vector::from(centre.map(f64::from)))?;
         let indices = self.add_indices(hull);
-        let [red, green, blue] = linear(colour(index));
-        let material = json!({
-            "name": name,
-            "pbrMetallicRoughness": {
-                "baseColorFactor": [red, green, blue, 1.0],
-                "metallicFactor": 0.0,
-                "roughnessFactor": ROUGHNESS,
-            },
-        });
         let primitive = json!({
             "attributes": { "POSITION": positions },
             "indices": indices,
-            "material": self.push("materials", material),
+            "material": self.push("materials", material(&name, index)),
         });
         let mesh = self.push("meshes", json!({ "name": name, "primitives": [primitive] }));
         self.push("nodes", json!({ "name": name, "mesh": mesh }));
@@ -272,8 +263,22 @@ impl Parts {
     }
 }
 
-fn assemble(json: Vec<u8>, bytes: Vec<u8>) -> Result<Vec<u8>, String> {
-    let length = json.len().saturating_add(bytes.len());
+/// The material of a hull: the colour of its number.
+pub(super) fn material(name: &str, number: usize) -> Value {
+    let [red, green, blue] = linear(colour(number));
+    json!({
+        "name": name,
+        "pbrMetallicRoughness": {
+            "baseColorFactor": [red, green, blue, 1.0],
+            "metallicFactor": 0.0,
+            "roughnessFactor": ROUGHNESS,
+        },
+    })
+}
+
+/// A GLB of its JSON, its binary data if there is any, and whole chunks of other kinds.
+pub(super) fn assemble(json: Vec<u8>, bytes: Vec<u8>, others: &[u8]) -> Result<Vec<u8>, String> {
+    let length = json.len().saturating_add(bytes.len()).saturating_add(others.len());
     if u32::try_from(length.saturating_add(64)).is_err() {
         return Err(format!("its {length} bytes are more than a GLB can have"));
     }
@@ -281,6 +286,7 @@ fn assemble(json: Vec<u8>, bytes: Vec<u8>) -> Result<Vec<u8>, String> {
     if !bytes.is_empty() {
         chunks.extend(chunk(b"BIN\0", bytes, 0));
     }
+    chunks.extend(others);
     let mut glb = b"glTF".to_vec();
     glb.extend(2_u32.to_le_bytes());
     glb.extend((GLB_HEADER as u32 + chunks.len() as u32).to_le_bytes());

@@ -326,3 +326,115 @@ fn decompose_writes_a_hulls_file_which_measure_and_inspect_read() {
         assert!(error.contains("t.hulls") && error.contains("100 bytes"), "{error}");
     }
 }
+
+/// The JSON of a GLB.
+fn document(path: &Path) -> serde_json::Value {
+    let bytes = std::fs::read(path).unwrap();
+    let end = 20 + u32::from_le_bytes(bytes[12..16].try_into().unwrap()) as usize;
+    serde_json::from_slice(&bytes[20..end]).unwrap()
+}
+
+#[test]
+fn hulls_go_into_the_file_itself_and_again_without_a_change() {
+    let place = Place::new(&[]);
+    std::fs::copy(asset("props.glb"), place.path("level.glb")).unwrap();
+    let shown = place.succeed(&["bake", "--into", "level.glb"]);
+    assert_eq!(shown, "wrote level.glb: 4 meshes, 49 hulls, 985 vertices\n");
+    assert_eq!(names(&place.path("")), ["level.glb"]);
+    let first = std::fs::read(place.path("level.glb")).unwrap();
+    let shown = place.succeed(&["bake", "--into=physics", "level.glb", "--threads", "1"]);
+    assert_eq!(shown, "wrote level.glb: 4 meshes (4 as before), 49 hulls, 985 vertices\n");
+    assert_eq!(std::fs::read(place.path("level.glb")).unwrap(), first);
+
+    // The file has all hulls, so that no second one needs them.
+    let shown = place.succeed(&["bake", "level.glb"]);
+    assert!(shown.contains("0 meshes"), "{shown}");
+    let triangles =
+        |path: &str| place.json(&["decompose", path, "--max-hulls", "1"])["triangles"].clone();
+    assert_eq!(triangles("level.glb"), triangles(&asset("props.glb")));
+
+    let shown = place.succeed(&["bake", "--into=ucx", "level.glb", "-o", "unreal"]);
+    assert!(shown.starts_with("wrote unreal/level.glb: 4 meshes (4 as before)"), "{shown}");
+    let nodes = document(&place.path("unreal/level.glb"))["nodes"].to_string();
+    assert!(nodes.contains("UCX_lamp_00") && !nodes.contains("KHR_physics"), "{nodes}");
+    assert_eq!(std::fs::read(place.path("level.glb")).unwrap(), first);
+}
+
+#[test]
+fn hulls_go_into_text_too_and_other_files_are_named_where_the_copy_lacks_them() {
+    let place = place();
+    let shown = place.succeed(&["bake", "--into", "two.gltf", "--tagged-only"]);
+    assert_eq!(shown, "wrote two.gltf: 0 meshes, 0 hulls, 0 vertices\n");
+    assert_eq!(std::fs::read_to_string(place.path("two.gltf")).unwrap(), GLTF);
+    let output = place.run(&["bake", "--into", "two.gltf", "-o", "copy"]);
+    let error = String::from_utf8(output.stderr).unwrap();
+    let expected = "warning: two.gltf: it names other files, such as two.bin, which are not copied";
+    assert_eq!((output.status.code(), error.trim_end()), (Some(0), expected));
+    assert_eq!(
+        place.succeed(&["bake", "--into", "two.gltf"]),
+        "wrote two.gltf: 1 mesh, 1 hull, 4 vertices\n"
+    );
+    let both = ["two.gltf", "copy/two.gltf"];
+    let [beside, copy] = both.map(|path| std::fs::read_to_string(place.path(path)).unwrap());
+    assert_eq!(beside, copy);
+    assert!(beside.contains("\"left_hulls\"") && beside.contains("\"right_hull_00\""), "{beside}");
+    assert!(!beside.contains("mesh_1_hull"), "no node shows it");
+}
+
+#[test]
+fn hulls_that_an_artist_edited_stay_and_are_named() {
+    let place = place();
+    place.succeed(&["bake", "--into=ucx", "two.gltf"]);
+    // A hull is moved within its group.
+    let text = std::fs::read_to_string(place.path("two.gltf")).unwrap();
+    let mut document: serde_json::Value = serde_json::from_str(&text).unwrap();
+    let nodes = document["nodes"].as_array_mut().unwrap();
+    let hull = nodes.iter_mut().find(|node| node["name"] == "UCX_left_00").unwrap();
+    hull["translation"] = json!([0, 0, 1]);
+    place.write("two.gltf", document.to_string());
+    let output = place.run(&["bake", "--into=ucx", "two.gltf", "--max-error", "1%"]);
+    let [shown, error] =
+        [output.stdout, output.stderr].map(|text| String::from_utf8(text).unwrap());
+    assert_eq!(error, "warning: two.gltf, node `left`: its hulls were edited by hand: kept\n");
+    assert!(shown.contains("1 mesh (1 edited by hand), 2 hulls"), "{shown}");
+    let text = std::fs::read_to_string(place.path("two.gltf")).unwrap();
+    assert!(text.contains("\"translation\":[0,0,1]"));
+}
+
+#[test]
+fn a_node_with_a_collider_of_its_own_is_named_and_the_others_get_hulls() {
+    let place = place();
+    let collider =
+        r#""name": "left", "extensions": { "OMI_physics_body": { "trigger": { "shape": 0 } } },"#;
+    place.write("two.gltf", GLTF.replace(r#""name": "left","#, collider));
+    let output = place.run(&["bake", "--into", "two.gltf"]);
+    let error = String::from_utf8(output.stderr).unwrap();
+    assert!(output.status.success() && error.contains("node `left`: it has a collider"), "{error}");
+    let text = std::fs::read_to_string(place.path("two.gltf")).unwrap();
+    assert!(!text.contains("left_hulls") && text.contains("right_hulls"), "{text}");
+}
+
+#[test]
+fn files_that_take_no_hulls_are_named_and_the_others_get_theirs() {
+    let place = place();
+    std::fs::create_dir(place.path("levels")).unwrap();
+    for name in ["two.gltf", "two.bin"] {
+        std::fs::copy(place.path(name), place.path("levels").join(name)).unwrap();
+    }
+    place.write("cut.glb", b"glTF\x02");
+    let output = place.run(&["bake", "--into", "tetrahedron.obj", "cut.glb", "levels"]);
+    assert_eq!(output.status.code(), Some(1));
+    let error = String::from_utf8(output.stderr).unwrap();
+    assert!(error.contains("tetrahedron.obj: hulls can be written into glTF"), "{error}");
+    assert!(error.contains("cut.glb") && error.lines().count() == 2, "{error}");
+    let text = std::fs::read_to_string(place.path("levels/two.gltf")).unwrap();
+    assert!(text.contains("left_hulls"));
+    for wrong in [
+        &["--per-mesh"][..],
+        &["--triangles"],
+        &["--into=obj"],
+        &["levels/two.gltf", "two.gltf", "-o", "out"],
+    ] {
+        place.fail(&[&["bake", "--into", "two.gltf"], wrong].concat(), 2);
+    }
+}

@@ -144,6 +144,10 @@ impl HullsRecord {
     pub fn new(baked: &BakedMesh, hulls: &[WrittenHull]) -> Self {
         let mut about = baked.hulls.clone();
         about.name.clear();
+        if let Some(mass) = &mut about.mass_properties {
+            // Its two halves may differ by rounding, and one is written.
+            mass.inertia = tensor(six(mass.inertia));
+        }
         let components: Vec<u32> =
             about.hulls.drain(..).map(|hull| hull.provenance.component).collect();
         let are_known = components.iter().any(|component| *component != 0);
@@ -264,11 +268,10 @@ impl HullsRecord {
             json["uncovered_max"] = json!(verified.uncovered_max);
         }
         if let Some(mass) = mass_properties {
-            let [[xx, xy, xz], [_, yy, yz], [_, _, zz]] = mass.inertia;
             json["mass_properties"] = json!({
                 "mass": mass.mass,
                 "centre": mass.centre,
-                "inertia": [xx, yy, zz, xy, xz, yz],
+                "inertia": six(mass.inertia),
                 "source": mass.source.name(),
             });
         }
@@ -426,13 +429,21 @@ fn digests(record: &Map<String, Value>) -> Result<Vec<String>, String> {
     })
 }
 
+/// The numbers of a symmetric tensor: xx, yy, zz, xy, xz, yz.
+fn six([[xx, xy, xz], [_, yy, yz], [_, _, zz]]: [[f64; 3]; 3]) -> [f64; 6] {
+    [xx, yy, zz, xy, xz, yz]
+}
+
+fn tensor([xx, yy, zz, xy, xz, yz]: [f64; 6]) -> [[f64; 3]; 3] {
+    [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]
+}
+
 fn mass(value: &Value) -> Option<MassProperties> {
     let mass = value.get("mass").and_then(finite).filter(|mass| *mass > 0.0)?;
     let centre = value.get("centre").and_then(numbers)?.try_into().ok()?;
-    let [xx, yy, zz, xy, xz, yz] = value.get("inertia").and_then(numbers)?.try_into().ok()?;
+    let inertia = tensor(value.get("inertia").and_then(numbers)?.try_into().ok()?);
     let name = value.get("source")?.as_str()?;
     let source = MassSource::ALL.iter().copied().find(|source| source.name() == name)?;
-    let inertia = [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]];
     Some(MassProperties::new(mass, centre, inertia, source))
 }
 

@@ -5,5 +5,6 @@ mod compressed;
 mod glb;
 mod gltf;
 mod hostile;
+mod hulls;
 mod parts;
 mod writers;
