@@ -63,7 +63,7 @@
 // |---|---|---|
 // | `debug` (feature) | gizmos, diagnostics | hulls drawn, and numbers among the diagnostics |
 // | `breaking` | `Fragment`, `CutFaces` | bodies that break into bodies |
-// | `scene` | `HierarchyStatus`, `HierarchyWork`, `ColliderPieceOf`, `TaggedByHierarchy`, `HiddenByHierarchy`, `DecompositionProgress` | whole scenes, tagged by names and extras, and how far all work is |
+// | `scene` | `HierarchyStatus`, `HierarchyWork`, `ColliderPieceOf`, `TaggedByHierarchy`, `HiddenByHierarchy`, `GltfPhysics`, `CollisionSystems`, `DecompositionProgress` | whole scenes, tagged by names, extras and what files say of physics, and how far all work is |
 // | `collider` | `Unfinished`, `Fallbacks`, `OwnCollider`, `OwnMass`, `AttachedCollider`, `AttachedFallback`, `FailedRequest`, `FarFromFocus`, `GivesSurface`, `Frozen` | from tags to requests, from results to colliders; what is out of date; colliders that follow a scale; bodies that wait |
 // | `jobs` | `Jobs` with the caches, `FrameTime`, the asset `BakedScene` | requests wait, become jobs, end in results |
 // | `engine` | the engine's collider and mass, `OwnMass`, what a body has during a step | the seam to Rapier and to Avian: what both do in different ways |
@@ -263,6 +263,11 @@ mod pages {
     #[doc = include_str!("../docs/bevy/troubleshooting.md")]
     struct Troubleshooting;
 }
+
+/// The page about files, whose programs run as tests.
+#[cfg(all(doctest, feature = "bevy_gltf"))]
+#[doc = include_str!("../docs/bevy/files.md")]
+struct PageOfFiles;
 
 /// The page about Avian, whose programs run as tests.
 #[cfg(all(doctest, feature = "avian"))]

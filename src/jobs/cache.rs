@@ -28,7 +28,16 @@ pub(crate) enum ColliderGeometry {
 }
 
 impl ColliderGeometry {
-    pub(super) fn of_hulls(file: HullsFile, shares: Vec<Vec<PartShare>>) -> Arc<Self> {
+    /// Hulls in single precision, as a glTF file holds them: whichever way they come, their colliders
+    /// are the same under any scale.
+    pub(super) fn of_hulls(mut file: HullsFile, shares: Vec<Vec<PartShare>>) -> Arc<Self> {
+        for x in file.hulls.iter_mut().flat_map(|hull| hull.shape.points.as_flattened_mut()) {
+            let rounded = *x as f32;
+            // What is beyond its range is an error of the collider.
+            if rounded.is_finite() {
+                *x = rounded.into();
+            }
+        }
         Arc::new(Self::Hulls(Box::new(file), shares))
     }
 

@@ -42,3 +42,5 @@ mod skipping;
 mod surfaces;
 mod tags;
 mod waiting;
+#[cfg(feature = "bevy_gltf")]
+mod written;

@@ -9,6 +9,7 @@ use serde_json::{Map, Value};
 
 use super::names::ColliderKind;
 use super::surface::SURFACE_SETTINGS;
+use super::values::{Complaint, boolean, named};
 
 /// The key that makes extras ours.
 const COLLIDER: &str = "collider";
@@ -102,9 +103,6 @@ pub struct ExtrasTag {
     /// The body that the mesh becomes, so that it moves on its own and not with what is above it.
     pub body: Option<Body>,
 }
-
-/// What is wrong with extras, in one line that names the keys that there are.
-pub type Complaint = String;
 
 /// Reads extras. `None` if they say nothing about colliders, or are no JSON. Settings that are
 /// wrong are left out, and each has a complaint, as has a key that is almost that of a setting.
@@ -251,15 +249,6 @@ fn whole(value: &Value, least: u32) -> Option<u32> {
     (number <= f64::from(u32::MAX)).then_some(number as u32)
 }
 
-/// Blender's older custom properties have no booleans, but 0 and 1.
-pub(super) fn boolean(value: &Value) -> Option<bool> {
-    match value.as_f64() {
-        Some(0.0) => Some(false),
-        Some(1.0) => Some(true),
-        _ => value.as_bool(),
-    }
-}
-
 fn length(value: &Value) -> Option<Length> {
     let length = match value {
         Value::String(text) => text.parse().ok()?,
@@ -285,12 +274,6 @@ fn units(value: &Value) -> Option<f32> {
 
 fn parsed<T: FromStr>(value: &Value) -> Option<T> {
     value.as_str()?.parse().ok()
-}
-
-/// The value of a name in a table.
-pub(super) fn named<T: Copy>(value: &Value, table: &[(&str, T)]) -> Option<T> {
-    let name = value.as_str()?;
-    table.iter().find(|(known, _)| *known == name).map(|(_, value)| *value)
 }
 
 #[cfg(test)]

@@ -26,6 +26,7 @@
 
 use std::collections::{HashMap, HashSet};
 
+use hullwright::hull::rounded_hull;
 use hullwright::hulls_format::{BakedMesh, HullsFile, MeshHash, MeshPart, VerifiedErrors};
 use hullwright::{
     ConvexHull, Error, Hull, MassProperties, MassSource, MeshView, Method, PartShare, TriangleMesh,
@@ -33,7 +34,7 @@ use hullwright::{
 };
 use serde_json::{Map, Value, json};
 
-use super::extras::Complaint;
+use super::values::Complaint;
 use crate::hulls_extras::{RECORD, record};
 
 /// What a file says of the hulls of a mesh that were written into it.
@@ -129,12 +130,15 @@ pub fn hull_digest(points: &[[f32; 3]]) -> String {
 const DIGITS: usize = 16;
 
 impl WrittenHull {
-    /// A hull as it is written: in single precision, convex and with volume as it stands.
+    /// A hull as it is written: in single precision, convex and with volume as it stands. Vertices
+    /// and triangles keep their order where rounding leaves them convex, so that a collider of the
+    /// written hull is that of the hull.
     ///
     /// # Errors
     /// As [`ConvexHull::to_single_precision`].
     pub fn of(hull: &ConvexHull) -> Result<Self, Error> {
-        let (points, triangles) = hull.to_single_precision()?;
+        let as_it_is = rounded_hull(hull, [1.0; 3]);
+        let (points, triangles) = as_it_is.map_or_else(|| hull.to_single_precision(), Ok)?;
         Ok(Self { points, triangles })
     }
 }

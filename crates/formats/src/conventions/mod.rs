@@ -13,9 +13,11 @@ mod names;
 mod physics;
 #[cfg(feature = "extras")]
 mod surface;
+#[cfg(feature = "extras")]
+mod values;
 
 #[cfg(feature = "extras")]
-pub use extras::{Body, Complaint, ExtrasTag, Fallback, read_extras};
+pub use extras::{Body, ExtrasTag, Fallback, read_extras};
 #[cfg(feature = "extras")]
 pub use hulls_record::{HullsRecord, ReadBack, WrittenHull, hull_digest};
 pub use names::{
@@ -29,3 +31,5 @@ pub use physics::{
 };
 #[cfg(feature = "extras")]
 pub use surface::{CombineRule, Events, Groups, SurfaceProperties, read_surface};
+#[cfg(feature = "extras")]
+pub use values::Complaint;

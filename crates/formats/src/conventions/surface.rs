@@ -4,7 +4,7 @@
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
-use super::extras::{Complaint, boolean, named};
+use super::values::{Complaint, boolean, named};
 
 /// How the coefficients of two colliders in contact become one. An engine has its own order of
 /// precedence where the rules of two colliders differ.
