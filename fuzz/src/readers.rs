@@ -351,10 +351,18 @@ fn hulls_file_of(version: u32, bytes: &[u8]) {
     }
 }
 
-/// Names and glTF extras by which artists ask for colliders.
+/// Names, glTF extras and physics extensions by which artists ask for colliders.
 pub fn extras(bytes: &[u8]) {
-    use hullwright_formats::conventions::{mesh_tag, node_tag, read_extras, without_copy_number};
+    use hullwright_formats::conventions::{
+        HullsRecord, PhysicsExtensions, mesh_tag, node_tag, read_extras, read_surface,
+        without_copy_number,
+    };
     let text = String::from_utf8_lossy(bytes);
+    let _ = (read_surface(&text), HullsRecord::from_extras(&text));
+    if let Ok(serde_json::Value::Object(said)) = serde_json::from_str(&text) {
+        // As extensions of a document with three nodes and two meshes, and of one of its nodes.
+        let _ = PhysicsExtensions::new(&said, 3, 2).of_node(&said);
+    }
     let _ = (read_extras(&text), node_tag(&text), mesh_tag(&text), without_copy_number(&text));
     let escaped = serde_json::Value::from(text.as_ref()).to_string();
     let (tag, complaints) = read_extras(&format!("{{\"collider\": {escaped}}}"));
