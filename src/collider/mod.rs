@@ -28,7 +28,7 @@ use self::changes::{
 use self::children::ColliderInChildren;
 use self::follow::follow_scales;
 use self::parts::ColliderParts;
-use self::placement::{Placements, Stretch, maps_differ};
+use self::placement::{Placements, Stretch, inherit_surface, maps_differ};
 use self::resolve::{compare_marked, resolve};
 use self::skins::warn_of_skins;
 use self::waiting::{
@@ -38,7 +38,7 @@ use self::work::{
     AttachedCollider, AttachedFallback, Ended, FailedRequest, FarFromFocus, MadeBefore,
     MadeBeforeItem, OwnCollider, Requested, Unfinished, Work, attach_shape,
 };
-use super::engine::{Engine, Frozen, Item, Weight};
+use super::engine::{Engine, Frozen, Weight};
 use super::jobs::baked::{BakedDecomposition, BakedScene};
 use super::jobs::cache::{BuiltCollider, ColliderGeometry};
 use super::jobs::{Completed, Failed, Frame, Jobs, SlicesRun, finish_jobs, start_jobs};
@@ -305,13 +305,7 @@ impl<E: Engine> Targets<'_, '_, E> {
             }
             None => attach_shape::<E>(&mut commands, (own, collider), mass, record),
         }
-        // A collider inherits the components of its surface that it does not have itself.
-        if let Ok(own) = self.surfaces.get(entity) {
-            let givers = self.placements.givers(entity).filter(|giver| *giver != entity);
-            let givers: Vec<Item<E::Surface>> =
-                givers.filter_map(|giver| self.surfaces.get(giver).ok()).collect();
-            E::inherit(&own, &givers, &mut commands);
-        }
+        inherit_surface::<E>(entity, &self.placements, &self.surfaces, &mut commands);
         if let Some((grouping, own, parts)) = in_children {
             let how = (grouping, requested.weight);
             split::attach::<E>(commands.commands_mut(), entity, &own, &place, &parts, how, cache)?;

@@ -4,11 +4,11 @@
 //! transform does, scale, mirroring and the shear that a non-uniform scale gives to turned
 //! children, goes into the points, so that the collider lies where the mesh is drawn.
 
-use bevy::ecs::system::SystemParam;
+use bevy::ecs::system::{EntityCommands, SystemParam};
 use bevy::math::{Affine3A, Mat3A, Vec3A};
 use bevy::prelude::*;
 
-use crate::engine::{Engine, Motion};
+use crate::engine::{Engine, Item, Motion};
 use crate::tag::DecompositionShape;
 use crate::tag::outcomes::SkipReason;
 use crate::tag::settings::HullwrightSettings;
@@ -246,6 +246,21 @@ impl<E: Engine> Placements<'_, '_, E> {
         };
         let offset = Transform::from_scale(scale) * offset;
         Affine3A::from_rotation_translation(offset.rotation, offset.translation)
+    }
+}
+
+/// Gives a collider the components of its surface that it does not have itself.
+pub(crate) fn inherit_surface<E: Engine>(
+    collider: Entity,
+    placements: &Placements<E>,
+    surfaces: &Query<E::Surface>,
+    commands: &mut EntityCommands,
+) {
+    if let Ok(own) = surfaces.get(collider) {
+        let givers = placements.givers(collider).filter(|giver| *giver != collider);
+        let givers: Vec<Item<E::Surface>> =
+            givers.filter_map(|giver| surfaces.get(giver).ok()).collect();
+        E::inherit(&own, &givers, commands);
     }
 }
 

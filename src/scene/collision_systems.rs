@@ -4,8 +4,8 @@ use bevy::prelude::*;
 use hullwright_formats::conventions::{CollisionFilter, Groups};
 
 /// Which collision group each collision system of glTF's physics extensions has: the first name has
-/// group 1. Files add the names that are new, so that the same name is the same group in all of
-/// them.
+/// group 2. Files add the names that are new, so that the same name is the same group in all of
+/// them. Group 1 has what is in no system, and all filters let it pass.
 ///
 /// A game whose own colliders meet those of files says the names first:
 ///
@@ -16,7 +16,7 @@ use hullwright_formats::conventions::{CollisionFilter, Groups};
 /// # let mut app = App::new();
 /// app.insert_resource(CollisionSystems::new(["landscape", "character"]));
 /// # let systems = app.world().resource::<CollisionSystems>();
-/// assert_eq!(systems.group("character"), Some(0b10));
+/// assert_eq!(systems.group("character"), Some(0b100));
 /// ```
 #[derive(Resource, Reflect, Debug, Clone, PartialEq, Eq, Default)]
 #[reflect(Resource, Default, Clone, PartialEq)]
@@ -25,22 +25,22 @@ pub struct CollisionSystems {
     names: Vec<String>,
 }
 
-/// Systems that have a group. Engines have 32, and the last is for colliders that are in no system
-/// but have a filter.
+/// Systems that have a group: engines have 32, and one is for what is in no system.
 const MOST: usize = 31;
 
-/// A collider with a filter that is in no system. All filters let it pass.
-const IN_NO_SYSTEM: u32 = 1 << MOST;
+/// The group of colliders that are in no system. Avian's without layers are in this one alone, and
+/// Rapier's without groups in all.
+const IN_NO_SYSTEM: u32 = 1;
 
 impl CollisionSystems {
-    /// With these names, of which the first has group 1. More than 31 have no group.
+    /// With these names, of which the first has group 2. More than 31 have no group.
     pub fn new(names: impl IntoIterator<Item = impl Into<String>>) -> Self {
         Self { names: names.into_iter().take(MOST).map(Into::into).collect() }
     }
 
     /// The bit of a system's group; `None` for one that has none. O(systems).
     pub fn group(&self, system: &str) -> Option<u32> {
-        self.names.iter().position(|name| name == system).map(|index| 1 << index)
+        self.names.iter().position(|name| name == system).map(bit)
     }
 
     /// The groups that a filter stands for. Systems for which no group is left are named, and left
@@ -63,7 +63,7 @@ impl CollisionSystems {
         };
         let filters = match &filter.collide_with {
             Some(systems) => bits(systems) | IN_NO_SYSTEM,
-            None => !bits(&filter.not_collide_with),
+            None => !bits(&filter.not_collide_with) | IN_NO_SYSTEM,
         };
         (Groups { memberships, filters }, without)
     }
@@ -76,8 +76,13 @@ impl CollisionSystems {
             return None;
         }
         self.names.push(system.to_owned());
-        Some(1 << (self.names.len() - 1))
+        Some(bit(self.names.len() - 1))
     }
+}
+
+/// The group of the name with this index.
+fn bit(index: usize) -> u32 {
+    IN_NO_SYSTEM << (index + 1)
 }
 
 #[cfg(test)]
@@ -108,7 +113,8 @@ mod tests {
         let ghost = groups(filter(&["ghost"], None, &["world"]));
         let picky = groups(filter(&["picky"], Some(&["world"]), &[]));
         let plain = groups(filter(&[], None, &["ghost"]));
-        let without_filter = Groups { memberships: u32::MAX, filters: u32::MAX };
+        let [in_rapier, in_avian] =
+            [u32::MAX, 1].map(|memberships| Groups { memberships, filters: u32::MAX });
         let meet =
             |a: Groups, b: Groups| a.memberships & b.filters != 0 && b.memberships & a.filters != 0;
         for (a, b, expected) in [
@@ -119,8 +125,10 @@ mod tests {
             (plain, world, true),
             (plain, picky, true),
             (ghost, ghost, true),
-            (without_filter, world, true),
-            (without_filter, picky, true),
+            (in_rapier, world, true),
+            (in_rapier, picky, true),
+            (in_avian, picky, true),
+            (in_avian, ghost, true),
         ] {
             assert_eq!((meet(a, b), meet(b, a)), (expected, expected), "{a:?} {b:?}");
         }
@@ -142,6 +150,6 @@ mod tests {
         let mut systems = CollisionSystems::default();
         let (groups, without) =
             systems.groups(&CollisionFilter { systems: all, ..CollisionFilter::default() });
-        assert_eq!((groups.memberships, without.len()), (u32::MAX >> 1, 9));
+        assert_eq!((groups.memberships, without.len()), (!IN_NO_SYSTEM, 9));
     }
 }

@@ -16,7 +16,7 @@ use super::gltf_physics::{ColliderMesh, DeclaredMeshes, GltfPhysics, MadeOfMeshe
 use super::hierarchy::ConvexDecompositionHierarchy;
 use super::shapes;
 use super::written_hulls::WrittenHulls;
-use crate::collider::placement::GivesSurface;
+use crate::collider::placement::{GivesSurface, Placements, inherit_surface};
 use crate::engine::{Engine, Motion, Velocity};
 use crate::tag::outcomes::{DecompositionStatus, Descriptions};
 
@@ -25,6 +25,10 @@ use crate::tag::outcomes::{DecompositionStatus, Descriptions};
 #[reflect(Component, Default, Clone)]
 #[type_path = "hullwright"]
 pub(super) struct Declared;
+
+/// On a collider whose shape the file has by its measures.
+#[derive(Component, Debug, Clone, Copy)]
+pub(super) struct DeclaredShape;
 
 /// On a body whose mass is to be set once its colliders are weighed.
 #[derive(Component, Debug, Clone)]
@@ -75,9 +79,13 @@ impl Saying<'_, '_> {
         }
     }
 
+    /// The nearest hierarchy above.
+    fn root(&self, entity: Entity) -> Option<Entity> {
+        self.parents.iter_ancestors(entity).find(|above| self.hierarchies.contains(*above))
+    }
+
     fn is_followed(&self, entity: Entity) -> bool {
-        let mut above = self.parents.iter_ancestors(entity);
-        let hierarchy = above.find_map(|above| self.hierarchies.get(above).ok());
+        let hierarchy = self.root(entity).and_then(|root| self.hierarchies.get(root).ok());
         hierarchy.is_some_and(|hierarchy| hierarchy.follows_artists)
     }
 
@@ -153,8 +161,11 @@ pub(super) fn declare<E: Engine>(
         } else if E::WITHOUT_BODY.is_some()
             && (collider.is_some() || trigger.is_some())
             && !has_body()
+            && let Some(root) = saying.root(node)
         {
-            commands.entity(node).try_insert((E::body(Motion::Fixed), place));
+            // Not on the node, which would inherit nothing then.
+            let place = saying.global.compute_global_transform(root).unwrap_or_default();
+            commands.entity(root).try_insert_if_new(E::body(Motion::Fixed)).try_insert(place);
         }
         // A node has one collider, and the one that extras request comes first.
         let mut is_taken = texts.iter().any(|text| read_extras(text).0.is_some());
@@ -223,6 +234,7 @@ impl Put {
                 let mut on = commands.entity(on);
                 E::insert_surface(&mut on, &self.surface);
                 E::attach_declared(&mut on, shape, self.scale);
+                on.try_insert(DeclaredShape);
                 return Ok(());
             }
             Geometry::Node { is_convex, .. } | Geometry::Mesh { is_convex, .. } => *is_convex,
@@ -254,6 +266,19 @@ impl Put {
     fn child(&self, commands: &mut Commands) -> Entity {
         let child = (Name::new("Collider"), Transform::IDENTITY, Visibility::Inherited);
         commands.spawn((child, Declared, ChildOf(self.node))).id()
+    }
+}
+
+/// Gives colliders by their measures what they inherit, as those that the plugin makes.
+pub(super) fn inherit_surfaces<E: Engine>(
+    mut commands: Commands,
+    new: Query<Entity, Added<DeclaredShape>>,
+    placements: Placements<E>,
+    surfaces: Query<E::Surface>,
+) {
+    for collider in &new {
+        let mut commands = commands.entity(collider);
+        inherit_surface::<E>(collider, &placements, &surfaces, &mut commands);
     }
 }
 

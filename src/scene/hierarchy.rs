@@ -189,8 +189,8 @@ pub struct HierarchyReport {
     pub from_file: usize,
     /// Of those from the file: with hulls that were edited since they were baked.
     pub edited: usize,
-    /// Of those that are ready: made anew, since the baked scene has another state of them. The log
-    /// says which and why.
+    /// Of those that are ready: made anew, since the baked scene, or the file, has another state of
+    /// them. The log says which and why.
     pub stale: usize,
     /// Of those that are ready: made anew, since the baked scene does not have them. The log says
     /// which.

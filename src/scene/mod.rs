@@ -85,7 +85,10 @@ fn follow_files<E: Engine>(app: &mut App) {
         .register_type::<declared::Declared>()
         .add_systems(
             PostUpdate,
-            (declared::set_masses::<E>, declared::declare::<E>)
+            (
+                declared::set_masses::<E>,
+                (declared::declare::<E>, declared::inherit_surfaces::<E>).chain(),
+            )
                 .before(tag_hierarchies::<E>)
                 .before(detect_tags::<E>)
                 .in_set(HullwrightSystems::DetectChanges),
@@ -131,7 +134,7 @@ impl<E: Engine> Scenes<'_, '_, E> {
     }
 
     /// Counts what came from a baked scene, and returns what did not and why, as a sentence without
-    /// subject.
+    /// subject. Meshes whose hulls are in their own file are left out.
     fn compare(
         &self,
         handle: &Handle<BakedScene>,
@@ -143,42 +146,95 @@ impl<E: Engine> Scenes<'_, '_, E> {
             return Some("could not be loaded: its meshes were decomposed".into());
         };
         let mut lines = Vec::new();
-        for &node in nodes {
-            let Ok(attached) = self.attached.get(node) else { continue };
-            let request = &attached.requested.request;
-            let Some(key) = self.jobs.key_of(&request.input) else { continue };
-            let Some(parameters) = request.goal.as_ref().and_then(Goal::parameters) else {
-                continue;
-            };
-            let names: Vec<&str> = self.nodes.names_of(node).into_iter().flatten().collect();
-            if key.is_baked() {
-                report.from_baked += 1;
-                continue;
-            }
-            let why = match baked.absence(key, parameters, &names) {
-                Absence::Stale(why) => {
+        for &node in nodes.iter().filter(|node| !self.has_hulls_in_file(**node)) {
+            let why = match self.found(node, baked) {
+                None => continue,
+                Some(Ok(())) => {
+                    report.from_baked += 1;
+                    continue;
+                }
+                Some(Err(Absence::Stale(why))) => {
                     report.stale += 1;
                     why
                 }
-                Absence::Missing => {
+                Some(Err(Absence::Missing)) => {
                     report.missing += 1;
                     "it is not in the file".into()
                 }
             };
-            let name = names.first().copied().unwrap_or("a mesh without a name");
-            lines.push(format!("`{name}` ({node}): {why}"));
+            lines.push(self.line(node, &why));
         }
-        if lines.is_empty() {
-            return None;
-        }
-        let more = lines.len().saturating_sub(MOST_LOGGED);
-        lines.truncate(MOST_LOGGED);
-        if more > 0 {
-            lines.push(format!("and {more} more"));
-        }
-        let lines = lines.join("; ");
-        Some(format!("has no hulls for: {lines}. They were decomposed; bake it anew"))
+        without_hulls(lines)
     }
+
+    /// Whether a node has hulls of a baked scene, or why not; `None` for what is not decomposed.
+    fn found(&self, node: Entity, baked: &BakedScene) -> Option<Result<(), Absence>> {
+        let request = &self.attached.get(node).ok()?.requested.request;
+        let key = self.jobs.key_of(&request.input)?;
+        let parameters = request.goal.as_ref().and_then(Goal::parameters)?;
+        if key.is_baked() {
+            return Some(Ok(()));
+        }
+        let names: Vec<&str> = self.nodes.names_of(node).into_iter().flatten().collect();
+        Some(Err(baked.absence(key, parameters, &names)))
+    }
+
+    fn line(&self, node: Entity, why: &str) -> String {
+        let name = self.nodes.names_of(node).into_iter().flatten().next();
+        format!("`{}` ({node}): {why}", name.unwrap_or("a mesh without a name"))
+    }
+
+    fn has_hulls_in_file(&self, node: Entity) -> bool {
+        #[cfg(feature = "bevy_gltf")]
+        return self.nodes.hulls_in_file(node).is_some();
+        #[cfg(not(feature = "bevy_gltf"))]
+        return (node, false).1;
+    }
+
+    /// The same of hulls that are in the file of the meshes.
+    #[cfg(feature = "bevy_gltf")]
+    fn compare_with_file(&self, nodes: &[Entity], report: &mut HierarchyReport) -> Option<String> {
+        let mut lines = Vec::new();
+        for &node in nodes {
+            let Some(hulls) = self.nodes.hulls_in_file(node) else { continue };
+            if self.nodes.has_edited_hulls(node) {
+                report.from_file += 1;
+                report.edited += 1;
+                continue;
+            }
+            let found = self.baked.get(&hulls.scene).and_then(|baked| self.found(node, baked));
+            match found {
+                None => {}
+                Some(Ok(())) => report.from_file += 1,
+                Some(Err(absence)) => {
+                    report.stale += 1;
+                    lines.push(self.line(
+                        node,
+                        match &absence {
+                            Absence::Stale(why) => why,
+                            // The hulls are those of the node, so its mesh is another.
+                            Absence::Missing => "the mesh has changed since it was baked",
+                        },
+                    ));
+                }
+            }
+        }
+        without_hulls(lines)
+    }
+}
+
+/// What the log says of meshes that were decomposed though they were baked.
+fn without_hulls(mut lines: Vec<String>) -> Option<String> {
+    if lines.is_empty() {
+        return None;
+    }
+    let more = lines.len().saturating_sub(MOST_LOGGED);
+    lines.truncate(MOST_LOGGED);
+    if more > 0 {
+        lines.push(format!("and {more} more"));
+    }
+    let lines = lines.join("; ");
+    Some(format!("has no hulls for: {lines}. They were decomposed; bake it anew"))
 }
 
 /// A baked scene that came late or changed has restarted what may be in it.
@@ -261,13 +317,6 @@ fn finish_hierarchies<E: Engine>(
                 Some(true) => report.with_collider += 1,
                 _ => report.without_collider += 1,
             }
-            #[cfg(feature = "bevy_gltf")]
-            if let (Some(DecompositionStatus::Ready(_)), Some(hulls)) =
-                (status, scenes.nodes.hulls_in_use(node))
-            {
-                report.from_file += 1;
-                report.edited += usize::from(hulls.is_edited);
-            }
             match status {
                 Some(DecompositionStatus::Ready(_)) => report.ready += 1,
                 Some(DecompositionStatus::Skipped(_)) => report.skipped += 1,
@@ -280,6 +329,10 @@ fn finish_hierarchies<E: Engine>(
         {
             let path = handle.path().map_or_else(|| "the baked scene".into(), ToString::to_string);
             log::warn!("{path} of {entity} {difference}");
+        }
+        #[cfg(feature = "bevy_gltf")]
+        if let Some(difference) = scenes.compare_with_file(&work.nodes, &mut report) {
+            log::warn!("the glTF file of {entity} {difference}");
         }
         inner.get(&entity).into_iter().flatten().for_each(|inner| report.add(inner));
         (work.is_open, work.start) = (false, None);

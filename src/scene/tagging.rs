@@ -23,7 +23,7 @@ use crate::collider::placement::GivesSurface;
 use crate::collider::resolve::Levels;
 use crate::collider::work::MadeBefore;
 use crate::engine::{Engine, Motion};
-use crate::jobs::baked::{BakedDecomposition, FromBakedScene};
+use crate::jobs::baked::{BakedDecomposition, BakedScene, FromBakedScene};
 use crate::tag::outcomes::Descriptions;
 use crate::tag::{ConvexDecomposition, DecompositionShape, NoConvexDecomposition};
 
@@ -199,11 +199,30 @@ impl<E: Engine> Nodes<'_, '_, E> {
         return (root, Vec::new()).1;
     }
 
-    /// The hulls of a node's mesh that its file has, where they make its collider.
+    /// The hulls of a node's mesh that its file has.
     #[cfg(feature = "bevy_gltf")]
-    pub(super) fn hulls_in_use(&self, node: Entity) -> Option<&HullsInFile> {
-        let is_used = self.tagged.get(node).is_ok_and(|(_, hulls)| hulls.is_some());
-        self.declared.get(node).ok()?.1.filter(|_| is_used)
+    pub(super) fn hulls_in_file(&self, node: Entity) -> Option<&HullsInFile> {
+        self.declared.get(node).ok()?.1
+    }
+
+    /// Whether a node has hulls that an artist edited.
+    #[cfg(feature = "bevy_gltf")]
+    pub(super) fn has_edited_hulls(&self, node: Entity) -> bool {
+        self.tagged.get(node).is_ok_and(|(_, hulls)| hulls.is_some())
+    }
+
+    /// Where the hulls of a node may be found: in its own file, or in that of its scene.
+    fn baked_of(
+        &self,
+        node: Entity,
+        hierarchy: &ConvexDecompositionHierarchy,
+    ) -> Option<Handle<BakedScene>> {
+        #[cfg(feature = "bevy_gltf")]
+        if let Some(hulls) = self.hulls_in_file(node) {
+            return Some(hulls.scene.clone());
+        }
+        let _ = node;
+        hierarchy.baked.clone()
     }
 
     /// The name of the glTF mesh that an entity is a primitive of.
@@ -523,13 +542,14 @@ impl<E: Engine> Rules<'_, '_, '_, E> {
     }
 
     /// By hulls that the file has of a mesh, or else, if nothing is said of the node, by what its
-    /// physics extension says. A mesh of which that says nothing has no collider.
+    /// physics extension says. A mesh of which that says nothing has no collider. Hulls that nobody
+    /// edited are what a decomposition would give, and stand for it where there would be one.
     #[cfg(feature = "bevy_gltf")]
     fn by_file(&self, node: Entity, said: Option<Treatment>) -> Option<Treatment> {
         let (made_of, hulls, physics) = self.nodes.declared.get(node).ok()?;
         if let Some(hulls) = hulls {
-            let base = Treatment::from(Some(self.base()));
-            return Some(said.unwrap_or(base).with_hulls(hulls));
+            let treatment = said.unwrap_or_else(|| Some(self.base()).into());
+            return Some(if hulls.is_edited { treatment.with_hulls(hulls) } else { treatment });
         }
         said.or_else(|| match (made_of, physics) {
             (Some(MadeOfMeshes { is_convex: true }), _) => {
@@ -600,7 +620,8 @@ impl<E: Engine> Rules<'_, '_, '_, E> {
                 // this frame.
                 commands.try_insert(nodes.pieces.place(node));
             }
-            let baked = hierarchy.baked.clone().filter(|_| tag.is_some()).map(FromBakedScene);
+            let baked = nodes.baked_of(node, hierarchy).filter(|_| tag.is_some());
+            let baked = baked.map(FromBakedScene);
             // What is set anew starts anew.
             if baked.as_ref() != nodes.from_scenes.get(node).ok() {
                 match baked {
@@ -648,7 +669,7 @@ impl<E: Engine> Rules<'_, '_, '_, E> {
 struct Treatment {
     /// `None` for no collider.
     tag: Option<ConvexDecomposition>,
-    /// Hulls that stand for those of the tag.
+    /// Hulls that an artist edited, which stand for those of the tag.
     hulls: Option<BakedDecomposition>,
     is_drawn: bool,
     /// The body that it becomes, if it is none.

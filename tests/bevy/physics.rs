@@ -42,12 +42,15 @@ fn load_khr(nodes: Vec<Value>, roots: Vec<usize>, more: &Value) -> (App, tempfil
 
 /// A scene without any mesh to tag is there after some frames.
 fn load(file: String) -> (App, tempfile::TempDir) {
+    load_below(file, ConvexDecompositionHierarchy::new(automatic()))
+}
+
+fn load_below(file: String, root: impl Bundle) -> (App, tempfile::TempDir) {
     let directory = tempfile::tempdir().unwrap();
     std::fs::write(directory.path().join("it.gltf"), file).unwrap();
     let mut app = app_with_gltf(directory.path().display().to_string(), |_| {});
     let scene = app.load(GltfAssetLabel::Scene(0).from_asset("it.gltf"));
-    let hierarchy = ConvexDecompositionHierarchy::new(automatic());
-    let root = app.put((WorldAssetRoot(scene), hierarchy));
+    let root = app.put((WorldAssetRoot(scene), root));
     update_until(&mut app, |app| {
         app.get::<HierarchyStatus>(root).is_some_and(HierarchyStatus::is_finished)
     });
@@ -265,6 +268,18 @@ fn materials_are_surfaces() {
     let floor = node(&mut app, "floor");
     assert_eq!(friction_of(&app, floor), Some((0.25, "max".into())));
     assert_eq!(restitution_of(&app, floor), Some((0.5, "min".into())));
+}
+
+#[test]
+fn what_the_scene_and_its_extras_say_of_surfaces_holds_for_shapes_too() {
+    let mut group = json!({"name": "group", "extras": {"friction": 0.125}, "children": [1]});
+    group["extensions"] = json!({});
+    let file = file(KHR, vec![group, khr("box", [0.0; 3], shape_collider(0))], vec![0], &boxes());
+    let root = (ConvexDecompositionHierarchy::default(), layers());
+    let (mut app, _directory) = load_below(file, root);
+    let shape = node(&mut app, "box");
+    assert_eq!(friction_of(&app, shape).map(|of| of.0), Some(0.125));
+    assert_eq!(app.get::<Layers>(shape), Some(&layers()));
 }
 
 #[test]

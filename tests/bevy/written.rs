@@ -133,17 +133,36 @@ fn a_level_of_a_hundred_nodes_has_the_same_colliders_to_the_bit_and_nothing_is_d
 }
 
 #[test]
-fn hulls_in_the_file_are_hulls_where_nothing_moves_too_and_move_with_their_body() {
+fn what_never_moves_keeps_its_triangles_and_what_moves_has_the_hulls_of_the_file() {
     let file = baked(&level(1), HullForm::Ucx);
     let (mut app, report) = load(&file, ConvexDecompositionHierarchy::default());
-    assert_eq!(report.from_file, 1);
+    assert_eq!((report.skipped, report.from_file), (1, 0));
     let prop = node(&mut app, "prop 0");
-    assert!(!hulls(&app, prop).is_empty());
+    assert!(shape(collider(&app, prop)).as_trimesh().is_some());
     let root = (RigidBody::Dynamic, ConvexDecompositionHierarchy::default());
-    let (mut app, _) = load(&file, root);
+    let (mut app, report) = load(&file, root);
+    assert_eq!((report.ready, report.from_file, counters(&app).decomposed), (1, 1, 0));
     update_times(&mut app, 20);
     let prop = node(&mut app, "prop 0");
     assert!(app.get::<GlobalTransform>(prop).unwrap().translation().y < -0.05);
+}
+
+#[test]
+fn hulls_of_another_bound_or_another_mesh_are_stale_and_made_anew() {
+    Log::install();
+    let file = baked(&level(2), HullForm::Physics);
+    let finer = ConvexDecompositionHierarchy::new(tag().with_max_error(0.01));
+    let (app, report) = load(&file, finer);
+    assert_eq!((report.ready, report.from_file, report.stale), (2, 0, 2));
+    assert_eq!(counters(&app).decomposed, 2);
+    assert!(!Log::lines_with("the glTF file of").is_empty());
+    // The second prop shows the first one's mesh: the hulls below it are another's.
+    let other = changed(&file, |document| {
+        document["nodes"][1]["mesh"] = document["nodes"][0]["mesh"].clone();
+    });
+    let (app, report) = load(&other, hierarchy());
+    assert_eq!((report.ready, report.from_file, report.stale), (2, 1, 1));
+    assert_eq!(counters(&app).decomposed, 1);
 }
 
 #[test]
@@ -240,7 +259,7 @@ fn another_shape_on_request_and_a_tag_of_the_code_come_before_hulls_in_the_file(
     });
     let by_name = hierarchy().with("prop 1", tag().with_max_hulls(1));
     let (mut app, report) = load(&file, by_name);
-    assert_eq!(report.from_file, 0);
+    assert_eq!((report.from_file, report.stale), (0, 1));
     let [cuboid, hull] = ["prop 0", "prop 1"].map(|name| node(&mut app, name));
     for entity in [cuboid, hull] {
         let parts = shape(collider(&app, entity)).as_compound().map_or(1, |of| of.shapes().len());
