@@ -15,6 +15,7 @@ pub(super) struct Complaints {
 }
 
 impl Complaints {
+    #[cfg(feature = "bevy_gltf")]
     pub(super) fn add(&mut self, text: String, of: Entity) {
         self.new.entry(text).or_default().push(of);
     }

@@ -79,6 +79,8 @@ fn half_ball(radius: f32, y: f32, up: f32) -> Vec<[f64; 3]> {
 
 #[cfg(test)]
 mod tests {
+    use std::f32::consts::PI;
+
     use super::*;
 
     #[test]
@@ -86,19 +88,27 @@ mod tests {
         let (height, radius_top, radius_bottom) = (2.0, 0.5, 1.0);
         for (implicit, size, volume) in [
             (ImplicitShape::Cuboid { size: [1.0, 2.0, 3.0] }, [1.0, 2.0, 3.0], 6.0),
-            (ImplicitShape::Ball { radius: 0.5 }, [1.0; 3], 0.5236),
+            (ImplicitShape::Ball { radius: 0.5 }, [1.0; 3], PI / 6.0),
             (
                 ImplicitShape::Capsule { height, radius_top: 0.5, radius_bottom: 0.5 },
                 [1.0, 3.0, 1.0],
-                2.0944,
+                2.0 * PI / 3.0,
             ),
             (
                 ImplicitShape::Cylinder { height, radius_top: 1.0, radius_bottom },
                 [2.0, 2.0, 2.0],
-                6.2832,
+                2.0 * PI,
             ),
-            (ImplicitShape::Cylinder { height, radius_top: 0.0, radius_bottom }, [2.0; 3], 2.0944),
-            (ImplicitShape::Cylinder { height, radius_top, radius_bottom }, [2.0; 3], 3.6652),
+            (
+                ImplicitShape::Cylinder { height, radius_top: 0.0, radius_bottom },
+                [2.0; 3],
+                2.0 * PI / 3.0,
+            ),
+            (
+                ImplicitShape::Cylinder { height, radius_top, radius_bottom },
+                [2.0; 3],
+                3.5 * PI / 3.0,
+            ),
             // The frustum between the balls and what the balls add: about 5.8.
             (ImplicitShape::Capsule { height, radius_top, radius_bottom }, [2.0, 3.5, 2.0], 6.25),
         ] {

@@ -307,6 +307,10 @@ type Moved = (Or<(Changed<ChildOf>, Added<Disabled>)>, Allow<Disabled>);
 /// Meshes that may be primitives now, or no longer.
 type Turned = (Changed<Transform>, With<Mesh3d>, With<ChildOf>);
 
+/// Colliders that a file has come to have.
+#[cfg(feature = "bevy_gltf")]
+type NewlyDeclared = Or<(Added<MadeOfMeshes>, Added<HullsInFile>)>;
+
 /// To which hierarchy a mesh belongs, and whether it has no transform of its own.
 pub(super) struct Owner {
     root: Entity,
@@ -327,7 +331,7 @@ pub(super) struct Hierarchies<'w, 's> {
     baked_gone: RemovedComponents<'w, 's, BakedDecomposition>,
     exclusions_gone: RemovedComponents<'w, 's, NoConvexDecomposition>,
     #[cfg(feature = "bevy_gltf")]
-    declared: Query<'w, 's, Entity, Or<(Added<MadeOfMeshes>, Added<HullsInFile>)>>,
+    declared: Query<'w, 's, Entity, NewlyDeclared>,
     parents_gone: RemovedComponents<'w, 's, ChildOf>,
     disabled_gone: RemovedComponents<'w, 's, Disabled>,
     children: Query<'w, 's, &'static Children, Allow<Disabled>>,
