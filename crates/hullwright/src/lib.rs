@@ -126,6 +126,7 @@ mod parallel;
 mod parameters;
 mod part_shares;
 mod probe;
+mod simplify_surface;
 mod solid;
 mod stages;
 mod summary;
@@ -151,6 +152,9 @@ pub use mesh::Repairs;
 pub use method::{Method, MethodReport, single_hull};
 pub use parameters::{Length, Openings, Parameters, ParseError, Preset, UpAxis};
 pub use part_shares::{PartShare, part_shares};
+pub use simplify_surface::{
+    SimplifiedSurface, SimplifyParameters, SimplifyReport, simplify_surface,
+};
 
 /// The examples of the README run.
 #[cfg(doctest)]

@@ -385,7 +385,7 @@ impl Survey {
 }
 
 /// Renumbers the vertices that triangles use, in their order. Returns for each its old index.
-pub(super) fn compact(triangles: &mut [[u32; 3]], vertices: usize) -> Vec<u32> {
+pub(crate) fn compact(triangles: &mut [[u32; 3]], vertices: usize) -> Vec<u32> {
     let mut new_indices = vec![0_u32; vertices];
     for &vertex in triangles.as_flattened() {
         new_indices[vertex as usize] = 1;
