@@ -409,7 +409,7 @@ pub(crate) fn compact(triangles: &mut [[u32; 3]], vertices: usize) -> Vec<u32> {
 const LEAST_HEIGHT: f64 = 1e-8;
 
 /// Whether a triangle of the normalised mesh is, within rounding, no triangle.
-pub(super) fn is_degenerate(positions: &[Vector], triangle: [u32; 3]) -> bool {
+pub(crate) fn is_degenerate(positions: &[Vector], triangle: [u32; 3]) -> bool {
     let [i, j, k] = triangle;
     if i == j || j == k || k == i {
         return true;

@@ -22,8 +22,9 @@ const LOOSENESS: f64 = 2.0;
 /// Times that a surface is reduced. In the last one all sums are within the bound.
 const MAX_ATTEMPTS: usize = 4;
 
-/// What may move at first, as fractions of the largest sum: flat places go before those that bend.
-const SHARES: [f64; 2] = [0.25, 1.0];
+/// What may move at first, as fractions of the largest sum: planes go first, so that a plain shape
+/// does not lose its corners to a large bound, and flat places before those that bend.
+const SHARES: [f64; 3] = [0.01, 0.25, 1.0];
 
 /// A pass that removes a smaller fraction of the triangles is the last.
 const WORTH_ANOTHER: f64 = 0.02;

@@ -8,7 +8,7 @@ use crate::error::Error;
 use crate::geometry::vector::{Vector, area_normal};
 use crate::geometry::{MeshView, TriangleMesh};
 use crate::mesh::canonical_order::{MeshOrder, rotated};
-use crate::mesh::repair::{PreparedMesh, Repairs, Survey, compact, prepare};
+use crate::mesh::repair::{PreparedMesh, Repairs, Survey, compact, is_degenerate, prepare};
 use crate::parallel;
 use crate::parameters::{Length, check_positive};
 
@@ -263,7 +263,10 @@ fn source(
     }
     let mut indices = Survey::new(mesh).candidates;
     indices.retain(|index| hidden.binary_search(index).is_err());
-    let points = mesh.points().map(|point| prepared.normalization.normalize(point)).collect();
+    let points: Vec<Vector> =
+        mesh.points().map(|point| prepared.normalization.normalize(point)).collect();
+    // Without those that repair left out as degenerate, but with all that it moved by welding.
+    indices.retain(|&index| !is_degenerate(&points, mesh.triangles()[index as usize]));
     let triangles = indices.iter().map(|&index| mesh.triangles()[index as usize]).collect();
     let repaired = indices.iter().map(|&index| repaired[index as usize]).collect();
     (Source { points, triangles, repaired }, indices)
