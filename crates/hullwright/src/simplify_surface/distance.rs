@@ -212,3 +212,53 @@ fn halve(centre: Vector, parts: &mut Parts) {
     std::mem::swap(&mut parts.inside, &mut parts.outside);
     parts.push();
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::shapes::{cuboid, uv_sphere};
+
+    const ABOVE: [Vector; 3] =
+        [Vector::new(0.1, 0.1, 1.01), Vector::new(0.9, 0.2, 1.01), Vector::new(0.3, 0.8, 1.01)];
+
+    fn farthest(
+        mesh: &crate::geometry::TriangleMesh,
+        corners: [Vector; 3],
+        limit: f64,
+    ) -> Option<f64> {
+        let tree = Bvh::new(mesh.points(), &mesh.triangles);
+        let target = Target::new(tree, mesh.points(), &mesh.triangles);
+        target.farthest(corners, NO_GUESS, limit, &mut Parts::default())
+    }
+
+    #[test]
+    fn a_triangle_above_a_face_is_as_far_away_as_its_height() {
+        let cube = cuboid([0.0; 3], [1.0; 3]);
+        let found = farthest(&cube, ABOVE, 0.010_001).unwrap();
+        assert!((0.01 - 1e-12..=0.010_001).contains(&found), "{found}");
+        assert_eq!(farthest(&cube, ABOVE, 0.009_999), None);
+    }
+
+    #[test]
+    fn a_triangle_in_a_plane_of_many_is_at_no_distance_however_small_the_limit() {
+        let cube = cuboid([0.0; 3], [1.0; 3]);
+        let within = ABOVE.map(|corner| corner.with_z(1.0));
+        assert_eq!(farthest(&cube, within, 1e-9), Some(0.0));
+    }
+
+    #[test]
+    fn a_chord_of_a_sphere_is_refuted_by_its_middle() {
+        let sphere = uv_sphere(64, [0.0; 3], 1.0);
+        let chord = [Vector::X, Vector::Y, Vector::Z];
+        // The centre of the chord's triangle is at 0.577 from the sphere's.
+        assert_eq!(farthest(&sphere, chord, 0.42), None);
+        assert!(farthest(&sphere, chord, 0.43).is_some_and(|most| most >= 0.42));
+    }
+
+    #[test]
+    fn numbers_that_are_none_are_beyond_any_limit() {
+        let cube = cuboid([0.0; 3], [1.0; 3]);
+        assert_eq!(farthest(&cube, [Vector::NAN; 3], 1.0), None);
+        assert_eq!(farthest(&cube, [Vector::INFINITY; 3], 1.0), None);
+    }
+}

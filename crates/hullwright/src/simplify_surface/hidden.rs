@@ -177,3 +177,43 @@ fn are_apart(a: [Vector; 3], b: [Vector; 3], length: f64) -> bool {
         a.0 - b.1 > length || b.0 - a.1 > length
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::canonical_order::MeshOrder;
+    use crate::mesh::repair::prepare;
+    use crate::mesh::shapes::{cuboid, join, turn};
+
+    /// How many triangles are hidden. Nothing is turned around.
+    fn count(parts: &[crate::geometry::TriangleMesh]) -> usize {
+        let prepared = prepare(join(parts).view(), MeshOrder::Place, &Control::new()).unwrap();
+        assert_eq!(prepared.repairs.flipped_triangles, 0);
+        let is_turned = vec![false; prepared.mesh.triangles.len()];
+        let hidden = hidden(&prepared, &is_turned, &Control::new()).unwrap();
+        hidden.into_iter().filter(|&is_hidden| is_hidden).count()
+    }
+
+    #[test]
+    fn only_what_is_wholly_within_a_solid_is_hidden() {
+        let solid = cuboid([0.0; 3], [1.0; 3]);
+        let within = cuboid([0.2; 3], [0.4; 3]);
+        assert_eq!(count(&[solid.clone(), within.clone()]), 12);
+        assert_eq!(count(&[solid.clone(), cuboid([2.0; 3], [3.0; 3])]), 0);
+        assert_eq!(count(&[solid.clone(), cuboid([0.2; 3], [1.2; 3])]), 0);
+        // What touches the surface from within stays.
+        assert_eq!(count(&[solid.clone(), cuboid([0.2, 0.2, 0.0], [0.4; 3])]), 10 - 8);
+        let cavity = turn(cuboid([0.1; 3], [0.9; 3]));
+        assert_eq!(count(&[solid, cavity, within]), 0);
+    }
+
+    #[test]
+    fn triangles_are_apart_where_a_plane_is_between_them() {
+        let triangle = [Vector::ZERO, Vector::X, Vector::Y];
+        let moved = |by: Vector| triangle.map(|corner| corner + by);
+        assert!(are_apart(triangle, moved(Vector::Z * 0.1), 0.05));
+        assert!(!are_apart(triangle, moved(Vector::Z * 0.1), 0.2));
+        assert!(!are_apart(triangle, moved(Vector::X * 0.5), 0.0));
+        assert!(are_apart(triangle, moved(Vector::X + Vector::Y), 0.1));
+    }
+}

@@ -20,7 +20,11 @@ use crate::parallel;
 const LOOSENESS: f64 = 2.0;
 
 /// Times that a surface is reduced. In the last one all sums are within the bound.
-const MAX_ATTEMPTS: usize = 4;
+const MAX_ATTEMPTS: usize = 5;
+
+/// From this attempt on what is beside a refuted triangle is done again too: that ends sooner, but
+/// leaves more triangles.
+const WIDE_ATTEMPT: usize = 3;
 
 /// What may move at first, as fractions of the largest sum: planes go first, so that a plain shape
 /// does not lose its corners to a large bound, and flat places before those that bend.
@@ -99,9 +103,9 @@ pub(super) fn reduce(
             return with_nearest(reduced, &target, repaired.points, control);
         }
         let is_last = attempt + 1 == MAX_ATTEMPTS;
-        let is_near = near(repaired, &refuted);
-        for (begun, is_near) in begun.iter_mut().zip(is_near) {
-            if is_near || is_last {
+        let again = if attempt < WIDE_ATTEMPT { refuted } else { near(repaired, &refuted) };
+        for (begun, is_again) in begun.iter_mut().zip(again) {
+            if is_again || is_last {
                 *begun = (LOOSENESS - 1.0) * bound;
             }
         }
