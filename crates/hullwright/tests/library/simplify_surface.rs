@@ -100,7 +100,7 @@ fn owned((positions, triangles): Mesh) -> TriangleMesh {
 
 #[test]
 fn a_finely_cut_cube_becomes_twelve_triangles() {
-    for bound in [Length::share(0.01), Length::share(0.0001), Length::units(0.3)] {
+    for bound in [Length::share(0.01), Length::share(0.0001), Length::share(0.05)] {
         let cube = owned(fine_cube(20));
         let result = simplified(&cube, bound);
         assert_eq!((result.mesh.triangles.len(), result.mesh.positions.len()), (12, 8));
