@@ -91,8 +91,9 @@ impl<'a> Target<'a> {
             let centre = parts.part.iter().fold(Vector::ZERO, |sum, &corner| sum + corner)
                 * (1.0 / parts.part.len() as f64);
             let closest = self.tree.closest_point_near(centre, EXACT, guess)?;
-            // A number that is none is no distance.
-            if !(closest.distance <= limit) {
+            // A distance that is not a number is beyond the limit, too.
+            let is_within = closest.distance <= limit;
+            if !is_within {
                 return None;
             }
             guess = closest.triangle;
