@@ -13,6 +13,7 @@ mod measure;
 mod notes;
 mod progress;
 mod report;
+mod simplify;
 mod view;
 
 use std::process::ExitCode;
@@ -35,6 +36,7 @@ enum Command {
     Inspect(inspect::Arguments),
     Measure(measure::Arguments),
     Curve(curve::Arguments),
+    Simplify(simplify::Arguments),
     Bake(bake::Arguments),
 }
 
@@ -46,6 +48,7 @@ fn main() -> ExitCode {
         Command::Inspect(arguments) => inspect::run(&arguments),
         Command::Measure(arguments) => measure::run(&arguments),
         Command::Curve(arguments) => curve::run(&arguments),
+        Command::Simplify(arguments) => simplify::run(&arguments),
         Command::Bake(arguments) => bake::run(&arguments),
     };
     let (reason, code) = match result {

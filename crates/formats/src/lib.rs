@@ -18,6 +18,7 @@
 //! | a mesh of several materials, and its hulls | what each hull is made of | [`MeshParts::shares`] |
 //! | hulls of any tool in a file | the hulls | [`read_hulls`] |
 //! | hulls | OBJ or GLB with a colour per hull | [`write_hulls`], [`hulls_to_bytes`] |
+//! | meshes | OBJ or GLB, a node per mesh | [`write_meshes`] |
 //! | bytes | a file, all or nothing | [`write_file`] |
 //! | a scene | the hulls of all its meshes in one file | [`bake`] |
 //! | a glTF file | the hulls of its meshes in the file itself | [`gltf_hulls`] |
@@ -96,7 +97,7 @@ pub use read::{
     read_scene_from_bytes,
 };
 #[cfg(feature = "meshes")]
-pub use write::{check_output, hulls_to_bytes, write_hulls};
+pub use write::{check_output, hulls_to_bytes, write_hulls, write_meshes};
 
 /// The examples of the README run.
 #[cfg(doctest)]

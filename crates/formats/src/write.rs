@@ -8,7 +8,7 @@ use hullwright::{Error, MeshView};
 use serde_json::{Value, json};
 
 use super::gltf::GLB_HEADER;
-use super::mesh_file::{HullFormat, is_hulls_file};
+use super::mesh_file::{HullFormat, NamedMesh, is_hulls_file};
 use crate::atomic_write::{directory, write_file};
 use crate::palette::{colour, linear};
 use crate::vector::{Vector, bounds};
@@ -54,6 +54,23 @@ pub fn write_hulls<'a, H: Into<MeshView<'a>>>(
     write_file(path, &bytes)
 }
 
+/// Writes meshes to a file, in the formats of [`write_hulls`]: an object or a node for each, with its
+/// name, and without a colour in OBJ. A file that is already there is replaced; if anything goes
+/// wrong it stays as it was. Coordinates of OBJ are read back as the same `f64`; those of GLB are
+/// `f32` relative to the centre of all, so that they are rounded by up to 0.00001 % of the extent.
+///
+/// # Errors
+/// As [`write_hulls`].
+pub fn write_meshes(path: impl AsRef<Path>, meshes: &[NamedMesh]) -> Result<(), Error> {
+    let path = path.as_ref();
+    let named = || meshes.iter().map(|mesh| (mesh.name.replace(['\n', '\r'], " "), mesh.into()));
+    let bytes = match output_format(path)? {
+        HullFormat::Obj => Ok(obj_of(named()).into_bytes()),
+        HullFormat::Glb => glb_of("meshes", named().collect()),
+    };
+    write_file(path, &bytes.map_err(|reason| Error::file(path, reason))?)
+}
+
 /// The bytes that [`write_hulls`] would write.
 ///
 /// # Errors
@@ -71,9 +88,16 @@ fn bytes_of<'a, H: Into<MeshView<'a>>>(
     hulls: impl IntoIterator<Item = H>,
 ) -> Result<Vec<u8>, String> {
     match format {
-        HullFormat::Obj => Ok(obj_from_hulls(hulls).into_bytes()),
-        HullFormat::Glb => glb_from_hulls(hulls),
+        HullFormat::Obj => Ok(obj_of(named_by_number(hulls)).into_bytes()),
+        HullFormat::Glb => glb_of("hulls", named_by_number(hulls).collect()),
     }
+}
+
+fn named_by_number<'a, H: Into<MeshView<'a>>>(
+    hulls: impl IntoIterator<Item = H>,
+) -> impl Iterator<Item = (String, MeshView<'a>)> {
+    let named = |(index, hull): (usize, H)| (format!("hull_{index}"), hull.into());
+    hulls.into_iter().enumerate().map(named)
 }
 
 /// Checks what [`write_hulls`] or [`write_file`] would refuse, before there is anything to write.
@@ -101,14 +125,13 @@ fn output_format(path: &Path) -> Result<HullFormat, Error> {
     })
 }
 
-/// Hulls as [`write_hulls`](super::write_hulls) describes.
-fn obj_from_hulls<'a, H: Into<MeshView<'a>>>(hulls: impl IntoIterator<Item = H>) -> String {
+/// Named meshes as [`write_hulls`](super::write_hulls) describes.
+fn obj_of<'a>(meshes: impl Iterator<Item = (String, MeshView<'a>)>) -> String {
     let mut text = String::new();
     let mut first_vertex = 1;
-    for (index, hull) in hulls.into_iter().enumerate() {
-        let hull = hull.into();
+    for (name, hull) in meshes {
         // Writing to a string can't fail.
-        let _ = writeln!(text, "o hull_{index}");
+        let _ = writeln!(text, "o {name}");
         for [x, y, z] in hull.positions() {
             let _ = writeln!(text, "v {x:?} {y:?} {z:?}");
         }
@@ -134,26 +157,24 @@ const ROUGHNESS: f64 = 0.6;
 /// The greatest 16-bit integer may not be used as an index.
 pub(super) const MOST_SHORT_INDICES: usize = 65_535;
 
-/// Hulls as [`write_hulls`](super::write_hulls) describes. There are no normals, so that viewers
+/// Named meshes as [`write_hulls`](super::write_hulls) describes. There are no normals, so that viewers
 /// shade the faces flat. The error, in words, is a file of more than 4 GiB or a coordinate that
 /// is too large for `f32`.
-fn glb_from_hulls<'a, H: Into<MeshView<'a>>>(
-    hulls: impl IntoIterator<Item = H>,
-) -> Result<Vec<u8>, String> {
-    let hulls: Vec<MeshView> = hulls.into_iter().map(Into::into).collect();
+fn glb_of(top: &str, meshes: Vec<(String, MeshView<'_>)>) -> Result<Vec<u8>, String> {
     // Rounded first, since what is taken off each vertex must be what the node adds.
-    let centre = centre(&hulls).as_vec3().to_array();
+    let centre = centre(&meshes).as_vec3().to_array();
     let mut parts = Parts::default();
-    for (index, hull) in hulls.iter().enumerate() {
-        parts.add(index, hull, centre)?;
+    for (index, (name, mesh)) in meshes.iter().enumerate() {
+        parts.add(index, name, mesh, centre)?;
     }
-    let json = parts.document(centre).to_string().into_bytes();
+    let json = parts.document(top, centre).to_string().into_bytes();
     assemble(json, parts.bytes, &[])
 }
 
 /// The middle of the bounding box.
-fn centre(hulls: &[MeshView]) -> Vector {
-    let (low, high) = bounds(hulls.iter().flat_map(|hull| hull.positions()).map(Vector::from));
+fn centre(meshes: &[(String, MeshView<'_>)]) -> Vector {
+    let points = meshes.iter().flat_map(|(_, mesh)| mesh.positions());
+    let (low, high) = bounds(points.map(Vector::from));
     if low[0] > high[0] { Vector::ZERO } else { low * 0.5 + high * 0.5 }
 }
 
@@ -172,14 +193,19 @@ impl Parts {
         array.len() - 1
     }
 
-    fn add(&mut self, index: usize, hull: &MeshView, centre: [f32; 3]) -> Result<(), String> {
-        let name = format!("hull_{index}");
+    fn add(
+        &mut self,
+        index: usize,
+        name: &str,
+        hull: &MeshView,
+        centre: [f32; 3],
+    ) -> Result<(), String> {
         let positions = self.add_positions(hull, Vector::from(centre.map(f64::from)))?;
         let indices = self.add_indices(hull);
         let primitive = json!({
             "attributes": { "POSITION": positions },
             "indices": indices,
-            "material": self.push("materials", material(&name, index)),
+            "material": self.push("materials", material(name, index)),
         });
         let mesh = self.push("meshes", json!({ "name": name, "primitives": [primitive] }));
         self.push("nodes", json!({ "name": name, "mesh": mesh }));
@@ -239,8 +265,8 @@ impl Parts {
         self.push("bufferViews", view)
     }
 
-    fn document(&mut self, centre: [f32; 3]) -> Value {
-        let mut top = json!({ "name": "hulls" });
+    fn document(&mut self, name: &str, centre: [f32; 3]) -> Value {
+        let mut top = json!({ "name": name });
         let hulls = self.arrays.get("nodes").map_or(0, Vec::len);
         // Arrays and buffers may not be empty.
         if hulls > 0 {
@@ -252,7 +278,7 @@ impl Parts {
         let mut document = json!({
             "asset": { "version": "2.0", "generator": concat!("hullwright ", env!("CARGO_PKG_VERSION")) },
             "scene": 0,
-            "scenes": [{ "name": "hulls", "nodes": [top] }],
+            "scenes": [{ "name": name, "nodes": [top] }],
         });
         for array in ["buffers", "nodes", "meshes", "materials", "accessors", "bufferViews"] {
             if let Some(values) = self.arrays.remove(array) {

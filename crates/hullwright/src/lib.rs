@@ -45,6 +45,7 @@
 //! | a mesh and hulls of any tool | their errors | [`measure::measure`]; point by point [`measure::MeasuredMesh`] |
 //! | a mesh of several materials or primitives, and its hulls | what each hull is made of | [`part_shares()`] |
 //! | a mesh and its hulls | fragments to draw and to move, one for each hull | [`break_apart()`] |
+//! | a level, or any mesh that never moves | few triangles within a bound | [`simplify_surface()`] |
 //! | a mesh | mass, centre and inertia; a report on its defects | [`mass_properties()`]; [`inspect`] |
 //! | hulls | a file that games load | [`hulls_format`]; `hullwright_formats::bake` for a scene |
 //! | a mesh, Rapier or Bevy | a collider with the mesh's mass | the crates `hullwright_rapier`, `bevy_hullwright` |
@@ -126,6 +127,7 @@ mod parallel;
 mod parameters;
 mod part_shares;
 mod probe;
+mod simplify_surface;
 mod solid;
 mod stages;
 mod summary;
@@ -151,6 +153,9 @@ pub use mesh::Repairs;
 pub use method::{Method, MethodReport, single_hull};
 pub use parameters::{Length, Openings, Parameters, ParseError, Preset, UpAxis};
 pub use part_shares::{PartShare, part_shares};
+pub use simplify_surface::{
+    SimplifiedSurface, SimplifyParameters, SimplifyReport, simplify_surface,
+};
 
 /// The examples of the README run.
 #[cfg(doctest)]

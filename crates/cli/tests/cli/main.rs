@@ -7,6 +7,7 @@ mod documents;
 mod inspect;
 mod interrupted;
 mod measure;
+mod simplify;
 mod view;
 
 use std::path::PathBuf;

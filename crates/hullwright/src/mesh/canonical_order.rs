@@ -58,7 +58,7 @@ fn spread(x: u64) -> u64 {
 }
 
 /// The triangle with its least vertex first, wound as it is.
-pub(super) fn rotated([a, b, c]: [u32; 3]) -> [u32; 3] {
+pub(crate) fn rotated([a, b, c]: [u32; 3]) -> [u32; 3] {
     if a <= b && a <= c {
         [a, b, c]
     } else if b <= c {

@@ -15,8 +15,8 @@
 
 pub(crate) mod adjacency;
 pub(crate) mod canonical_order;
-mod collapse;
-mod flip;
+pub(crate) mod collapse;
+pub(crate) mod flip;
 pub(crate) mod grouping;
 mod orientation;
 pub(crate) mod refine;

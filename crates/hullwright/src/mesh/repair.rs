@@ -385,7 +385,7 @@ impl Survey {
 }
 
 /// Renumbers the vertices that triangles use, in their order. Returns for each its old index.
-pub(super) fn compact(triangles: &mut [[u32; 3]], vertices: usize) -> Vec<u32> {
+pub(crate) fn compact(triangles: &mut [[u32; 3]], vertices: usize) -> Vec<u32> {
     let mut new_indices = vec![0_u32; vertices];
     for &vertex in triangles.as_flattened() {
         new_indices[vertex as usize] = 1;
@@ -409,7 +409,7 @@ pub(super) fn compact(triangles: &mut [[u32; 3]], vertices: usize) -> Vec<u32> {
 const LEAST_HEIGHT: f64 = 1e-8;
 
 /// Whether a triangle of the normalised mesh is, within rounding, no triangle.
-pub(super) fn is_degenerate(positions: &[Vector], triangle: [u32; 3]) -> bool {
+pub(crate) fn is_degenerate(positions: &[Vector], triangle: [u32; 3]) -> bool {
     let [i, j, k] = triangle;
     if i == j || j == k || k == i {
         return true;

@@ -7,7 +7,11 @@ mod break_apart;
 mod common;
 mod decompose;
 mod documents;
+#[allow(dead_code)]
+#[path = "../independent/mod.rs"]
+mod independent;
 mod limits;
 mod mass_reference;
 mod measure;
 mod old_files;
+mod simplify_surface;
