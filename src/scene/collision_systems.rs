@@ -140,7 +140,7 @@ mod tests {
         systems.groups(&filter(&["c", "b"], None, &[]));
         assert_eq!(
             ["a", "b", "c", "d"].map(|name| systems.group(name)),
-            [Some(1), Some(2), Some(4), None]
+            [Some(2), Some(4), Some(8), None]
         );
     }
 

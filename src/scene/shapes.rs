@@ -109,7 +109,7 @@ mod tests {
                 [2.0; 3],
                 3.5 * PI / 3.0,
             ),
-            // The frustum between the balls and what the balls add: about 5.8.
+            // A polyhedron within it.
             (ImplicitShape::Capsule { height, radius_top, radius_bottom }, [2.0, 3.5, 2.0], 6.25),
         ] {
             let shape = shape(&implicit).unwrap();
@@ -119,7 +119,7 @@ mod tests {
                 assert!((found - expected).abs() < 0.01 * expected, "{implicit:?}: {extents:?}");
             }
             let found = shape.mass_properties(1.0).mass();
-            assert!((found - volume).abs() < 0.04 * volume, "{implicit:?}: {found}");
+            assert!((found - volume).abs() < 0.05 * volume, "{implicit:?}: {found}");
         }
     }
 

@@ -180,7 +180,7 @@ pub const ALLOWS_DISABLING: bool = false;
 pub const ALLOWS_SCALE_ZERO: bool = false;
 
 /// How fast contacts of small things push what does not touch, in metres per second.
-pub const PUSHES: f32 = 0.03;
+pub const PUSHES: f32 = 0.035;
 
 /// Meets nothing.
 pub fn alone() -> Layers {
