@@ -210,8 +210,8 @@ pub(crate) trait Engine: Send + Sync + Sized + 'static {
     #[cfg(feature = "bevy_gltf")]
     fn insert_surface(entity: &mut EntityCommands, surface: &SurfaceProperties);
 
-    /// A collider of a shape that the file has, which the engine scales from now on. `scale` is that
-    /// of the entity.
+    /// A collider of a shape that the file has, which the engine scales from now on. `scale` is
+    /// that of the entity.
     #[cfg(feature = "bevy_gltf")]
     fn attach_declared(entity: &mut EntityCommands, shape: SharedShape, scale: Vec3);
 

@@ -28,8 +28,8 @@ pub(crate) enum ColliderGeometry {
 }
 
 impl ColliderGeometry {
-    /// Hulls in single precision, as a glTF file holds them: whichever way they come, their colliders
-    /// are the same under any scale.
+    /// Hulls in single precision, as a glTF file holds them: whichever way they come, their
+    /// colliders are the same under any scale.
     pub(super) fn of_hulls(mut file: HullsFile, shares: Vec<Vec<PartShare>>) -> Arc<Self> {
         for x in file.hulls.iter_mut().flat_map(|hull| hull.shape.points.as_flattened_mut()) {
             let rounded = *x as f32;

@@ -1,4 +1,5 @@
-//! Names of collision systems, by which physics extensions say what collides, as an engine's groups.
+//! Names of collision systems, by which physics extensions say what collides, as an engine's
+//! groups.
 
 use bevy::prelude::*;
 use hullwright_formats::conventions::{CollisionFilter, Groups};

@@ -113,8 +113,8 @@ pub struct BakeJob {
 /// cut into other primitives: their hulls are said to be made of the parts of the first.
 ///
 /// A mesh is baked with the parameters of each node that shows it; one that no node shows with
-/// those of its own name and extras, since a game may spawn it. A node whose file holds the hulls of
-/// its mesh counts only if the options say so.
+/// those of its own name and extras, since a game may spawn it. A node whose file holds the hulls
+/// of its mesh counts only if the options say so.
 pub fn bake_jobs(meshes: Vec<SceneMesh>, options: &BakeOptions) -> Vec<BakeJob> {
     let with_pieces = meshes_with_pieces(&meshes);
     let node_names: Vec<String> =

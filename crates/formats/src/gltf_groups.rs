@@ -2,9 +2,9 @@
 //! them, and which meshes are their hulls.
 //!
 //! A group is a node whose extras hold a record (see
-//! [`HullsRecord`](crate::conventions::HullsRecord)). Below it each node is a hull: by the mesh that
-//! it shows, or by the collider of `KHR_physics_rigid_bodies` whose geometry is the mesh of another
-//! node, which nothing draws.
+//! [`HullsRecord`](crate::conventions::HullsRecord)). Below it each node is a hull: by the mesh
+//! that it shows, or by the collider of `KHR_physics_rigid_bodies` whose geometry is the mesh of
+//! another node, which nothing draws.
 
 use std::collections::HashSet;
 

@@ -40,11 +40,11 @@
 //! [palette](crate::palette).
 //!
 //! All else stays as it was: keys and their order, unknown extensions, extras, binary data. What is
-//! added stands at the end of each array, and at the end of the chunk of binary data of a GLB, or in
-//! a buffer of its own. Where all that was added before is still at these ends as it was written,
-//! and was not edited, it is taken off before hulls are written anew, so that the file does not
-//! grow. Otherwise groups that are replaced are cut off from their nodes and stay, since other parts
-//! of the file may refer to what comes after them.
+//! added stands at the end of each array, and at the end of the chunk of binary data of a GLB, or
+//! in a buffer of its own. Where all that was added before is still at these ends as it was
+//! written, and was not edited, it is taken off before hulls are written anew, so that the file
+//! does not grow. Otherwise groups that are replaced are cut off from their nodes and stay, since
+//! other parts of the file may refer to what comes after them.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -73,7 +73,8 @@ pub enum HullForm {
     /// As colliders of `KHR_physics_rigid_bodies`, which nothing draws.
     #[default]
     Physics,
-    /// As meshes that are named as Unreal has it. Programs without a rule for these names draw them.
+    /// As meshes that are named as Unreal has it. Programs without a rule for these names draw
+    /// them.
     Ucx,
 }
 
@@ -92,7 +93,8 @@ pub struct MeshHulls<'a> {
 pub struct FoundHulls {
     /// The hulls, if this version of the library makes the same of the same mesh.
     pub baked: Option<BakedMesh>,
-    /// Hulls that were edited by hand, and those that can't be read: they stay, whatever is written.
+    /// Hulls that were edited by hand, and those that can't be read: they stay, whatever is
+    /// written.
     pub edited: Vec<EditedHulls>,
     /// The names of the nodes with a collider or trigger of their own, which get no hulls.
     pub with_collider: Vec<String>,
@@ -263,9 +265,9 @@ impl HullsInFile {
         uris.filter(|uri| !uri.starts_with("data:"))
     }
 
-    /// The bytes of the file with these hulls. Nodes whose hulls were edited keep them, nodes with a
-    /// collider or trigger of their own get none, and hulls of other nodes that were not edited are
-    /// taken out. A file that holds all of it already stays as it is. O(size).
+    /// The bytes of the file with these hulls. Nodes whose hulls were edited keep them, nodes with
+    /// a collider or trigger of their own get none, and hulls of other nodes that were not edited
+    /// are taken out. A file that holds all of it already stays as it is. O(size).
     ///
     /// # Errors
     /// [`Error::File`] if the file is not what it should be where hulls are added, or would be too
@@ -773,8 +775,8 @@ impl Growing {
         Ok(())
     }
 
-    /// The buffer that the data goes to, and where in it: the end of the chunk of a GLB, if its first
-    /// buffer is that chunk, or none yet, else a new buffer.
+    /// The buffer that the data goes to, and where in it: the end of the chunk of a GLB, if its
+    /// first buffer is that chunk, or none yet, else a new buffer.
     fn place_for_data(&self) -> Result<(usize, usize), String> {
         let buffers = list(&self.root, "buffers");
         let Some(first) = buffers.first() else { return Ok((0, self.end_of_chunk(0)?)) };

@@ -54,10 +54,11 @@ pub fn write_hulls<'a, H: Into<MeshView<'a>>>(
     write_file(path, &bytes)
 }
 
-/// Writes meshes to a file, in the formats of [`write_hulls`]: an object or a node for each, with its
-/// name, and without a colour in OBJ. A file that is already there is replaced; if anything goes
-/// wrong it stays as it was. Coordinates of OBJ are read back as the same `f64`; those of GLB are
-/// `f32` relative to the centre of all, so that they are rounded by up to 0.00001 % of the extent.
+/// Writes meshes to a file, in the formats of [`write_hulls`]: an object or a node for each, with
+/// its name, and without a colour in OBJ. A file that is already there is replaced; if anything
+/// goes wrong it stays as it was. Coordinates of OBJ are read back as the same `f64`; those of GLB
+/// are `f32` relative to the centre of all, so that they are rounded by up to 0.00001 % of the
+/// extent.
 ///
 /// # Errors
 /// As [`write_hulls`].
@@ -157,9 +158,9 @@ const ROUGHNESS: f64 = 0.6;
 /// The greatest 16-bit integer may not be used as an index.
 pub(super) const MOST_SHORT_INDICES: usize = 65_535;
 
-/// Named meshes as [`write_hulls`](super::write_hulls) describes. There are no normals, so that viewers
-/// shade the faces flat. The error, in words, is a file of more than 4 GiB or a coordinate that
-/// is too large for `f32`.
+/// Named meshes as [`write_hulls`](super::write_hulls) describes. There are no normals, so that
+/// viewers shade the faces flat. The error, in words, is a file of more than 4 GiB or a coordinate
+/// that is too large for `f32`.
 fn glb_of(top: &str, meshes: Vec<(String, MeshView<'_>)>) -> Result<Vec<u8>, String> {
     // Rounded first, since what is taken off each vertex must be what the node adds.
     let centre = centre(&meshes).as_vec3().to_array();

@@ -2,10 +2,10 @@
 //! read back by it.
 //!
 //! The hulls of a node's mesh stand below a group, a child of the node. Its extras hold a record
-//! under the key `hullwright`: what a [`HullsFile`] holds besides the hulls themselves, and a digest
-//! of each, by which it is noticed that an artist edited one. There are strings, numbers, lists of
-//! one kind and objects only, since Blender keeps extras as custom properties, which have no null
-//! and no integers of 64 bits.
+//! under the key `hullwright`: what a [`HullsFile`] holds besides the hulls themselves, and a
+//! digest of each, by which it is noticed that an artist edited one. There are strings, numbers,
+//! lists of one kind and objects only, since Blender keeps extras as custom properties, which have
+//! no null and no integers of 64 bits.
 //!
 //! ```json
 //! {"hullwright": {
@@ -93,8 +93,8 @@ pub struct ReadBack {
     /// The hulls, and what is known of them: as they were baked, apart from rounding to single
     /// precision and from the errors of single hulls, in that order.
     ///
-    /// Where some were edited, all are in the order in which they were given, nothing is verified of
-    /// them and it is not known what they are made of; mass properties are those of their union.
+    /// Where some were edited, all are in the order in which they were given, nothing is verified
+    /// of them and it is not known what they are made of; mass properties are those of their union.
     pub baked: BakedMesh,
     /// Whether a hull is another than was written, is gone, or was added.
     pub edited: bool,
@@ -164,8 +164,8 @@ impl HullsRecord {
         }
     }
 
-    /// Reads the extras of a node, as JSON: `None` if there is no record among them, which makes the
-    /// node a group of hulls; what is wrong with one that can't be read.
+    /// Reads the extras of a node, as JSON: `None` if there is no record among them, which makes
+    /// the node a group of hulls; what is wrong with one that can't be read.
     pub fn from_extras(text: &str) -> Option<Result<Self, Complaint>> {
         let read = match record(text)? {
             Value::Object(record) => Self::read(&record),

@@ -212,8 +212,8 @@ impl BakedMesh {
         }
     }
 
-    /// The hulls of a mesh that is not at hand, but its hash; its name is theirs, and its bounds are
-    /// not known.
+    /// The hulls of a mesh that is not at hand, but its hash; its name is theirs, and its bounds
+    /// are not known.
     pub fn of_hash(hash: MeshHash, parameters: impl Into<Method>, hulls: HullsFile) -> Self {
         Self {
             names: vec![hulls.name.clone()],

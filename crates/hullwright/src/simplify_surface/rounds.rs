@@ -2,9 +2,10 @@
 //!
 //! A collapse adds what it moves to what collapses before it have moved. The sum is larger than the
 //! distance, since some of them move the surface back. So sums may be larger than the bound, and
-//! distances are measured, from each triangle to the source and back. Where that refutes the result,
-//! everything is done again, with sums within the bound there; at last within the bound everywhere.
-//! What is refuted even then gives way to triangles of the source, so that the bound always holds.
+//! distances are measured, from each triangle to the source and back. Where that refutes the
+//! result, everything is done again, with sums within the bound there; at last within the bound
+//! everywhere. What is refuted even then gives way to triangles of the source, so that the bound
+//! always holds.
 
 use super::distance::{NO_GUESS, Parts, Target};
 use crate::bvh::Bvh;

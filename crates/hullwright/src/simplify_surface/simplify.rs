@@ -105,13 +105,13 @@ pub struct SimplifyReport {
 /// r + b passes the result where none of radius r passed the mesh. Distances are verified for whole
 /// triangles, not for samples.
 ///
-/// Vertices are places of the mesh's vertices. Closed components stay closed, except where triangles
-/// are left out because nothing can touch them: those wholly within the solid of another closed
-/// component whose triangles face outward (counter-clockwise). Where the bound is as small as what
-/// repair moves, 0.0001 % of the diagonal, triangles stay as they were given. Degenerate and
-/// non-finite triangles are left out and counted, as are all but one of duplicates, also of those
-/// that are there both ways round. The order of triangles and vertices in the input and the number
-/// of threads do not matter.
+/// Vertices are places of the mesh's vertices. Closed components stay closed, except where
+/// triangles are left out because nothing can touch them: those wholly within the solid of another
+/// closed component whose triangles face outward (counter-clockwise). Where the bound is as small
+/// as what repair moves, 0.0001 % of the diagonal, triangles stay as they were given. Degenerate
+/// and non-finite triangles are left out and counted, as are all but one of duplicates, also of
+/// those that are there both ways round. The order of triangles and vertices in the input and the
+/// number of threads do not matter.
 ///
 /// ```
 /// use hullwright::{Control, Length, TriangleMesh, simplify_surface};
