@@ -1,7 +1,7 @@
 //! What a glTF file says of bodies, colliders and their surfaces, put on its nodes: extras such as
 //! `{"friction": 0.2}`, and the physics extensions.
 
-use bevy::ecs::query::{QueryData, QueryFilter};
+use bevy::ecs::query::QueryData;
 use bevy::ecs::system::SystemParam;
 use bevy::gltf::{GltfExtras, GltfMeshExtras, GltfSceneExtras};
 use bevy::prelude::*;
@@ -56,7 +56,6 @@ pub(super) struct Saying<'w, 's> {
     meshes: Query<'w, 's, &'static Mesh3d>,
     parents: Query<'w, 's, &'static ChildOf>,
     children: Query<'w, 's, &'static Children>,
-    global: TransformHelper<'w, 's>,
 }
 
 impl Saying<'_, '_> {
@@ -95,10 +94,6 @@ impl Saying<'_, '_> {
         self.parents.iter_ancestors(node).filter_map(physics).any(|of| of.read().motion.is_some())
     }
 
-    fn is_below<F: QueryFilter>(&self, node: Entity, of: &Query<(), F>) -> bool {
-        of.contains(node) || self.parents.iter_ancestors(node).any(|above| of.contains(above))
-    }
-
     /// The meshes of a node.
     fn primitives(&self, node: Entity) -> Vec<(Handle<Mesh>, Transform)> {
         let children = self.children.get(node).into_iter().flatten();
@@ -125,7 +120,7 @@ impl Saying<'_, '_> {
 pub(super) fn declare<E: Engine>(
     mut commands: Commands,
     saying: Saying,
-    bodies: Query<(), With<E::Body>>,
+    placements: Placements<E>,
     mut groups_of_hulls: WrittenHulls,
     mut systems: ResMut<CollisionSystems>,
     mut complaints: Local<Complaints>,
@@ -154,8 +149,8 @@ pub(super) fn declare<E: Engine>(
         let physics = saying.said.get(node).ok().and_then(|said| said.physics);
         let Some(physics) = physics.filter(|_| !is_of_group) else { continue };
         let NodePhysics { motion, collider, trigger, .. } = physics.read();
-        let place = saying.global.compute_global_transform(node).unwrap_or_default();
-        let has_body = || saying.has_motion_above(node) || saying.is_below(node, &bodies);
+        let place = placements.global_transform(node);
+        let has_body = || saying.has_motion_above(node) || placements.body(node).is_some();
         if let Some(motion) = motion {
             insert_body::<E>(&mut commands.entity(node), motion, place);
         } else if E::WITHOUT_BODY.is_some()
@@ -164,7 +159,7 @@ pub(super) fn declare<E: Engine>(
             && let Some(root) = saying.root(node)
         {
             // Not on the node, which would inherit nothing then.
-            let place = saying.global.compute_global_transform(root).unwrap_or_default();
+            let place = placements.global_transform(root);
             commands.entity(root).try_insert_if_new(E::body(Motion::Fixed)).try_insert(place);
         }
         // A node has one collider, and the one that extras request comes first.

@@ -5,12 +5,9 @@ use std::collections::HashSet;
 use std::path::Path;
 
 use bevy::asset::LoadContext;
-use bevy::gltf::extensions::{
-    ErasedGltfExtensionHandler, GltfExtensionHandler, GltfExtensionHandlers,
-};
+use bevy::gltf::extensions::{ErasedGltfExtensionHandler, GltfExtensionHandler};
 use bevy::gltf::{GltfAssetLabel, GltfLoaderSettings};
 use bevy::prelude::*;
-use bevy::tasks::block_on;
 use gltf::json;
 use hullwright_formats::conventions::{
     DeclaredCollider, Geometry, NodePhysics, PHYSICS_EXTENSIONS, PhysicsExtensions,
@@ -82,7 +79,7 @@ const MOST_PLACED: usize = 1 << 16;
 
 /// Reads a file's physics while Bevy loads it.
 #[derive(Debug, Clone, Default)]
-struct PhysicsReader {
+pub(super) struct PhysicsReader {
     nodes: Vec<GltfPhysics>,
 }
 
@@ -269,16 +266,4 @@ pub(super) fn explain_refusal(entity: Entity, error: &str) {
              it with the settings `GltfLoaderSettings {{ validate: false, ..default() }}`"
         );
     }
-}
-
-/// Whichever comes first, this or Bevy's plugin for glTF.
-pub(super) fn read_physics(app: &mut App) {
-    app.register_type::<GltfPhysics>()
-        .register_type::<MadeOfMeshes>()
-        .register_type::<ColliderMesh>()
-        .register_type::<HullsInFile>()
-        .init_resource::<GltfExtensionHandlers>();
-    let handlers = app.world().resource::<GltfExtensionHandlers>();
-    // Browsers have no `write_blocking`.
-    block_on(handlers.0.write()).push(Box::new(PhysicsReader::default()));
 }

@@ -5,11 +5,8 @@ use std::collections::HashSet;
 
 use bevy::asset::LoadContext;
 use bevy::gltf::GltfLoaderSettings;
-use bevy::gltf::extensions::{
-    ErasedGltfExtensionHandler, GltfExtensionHandler, GltfExtensionHandlers,
-};
+use bevy::gltf::extensions::{ErasedGltfExtensionHandler, GltfExtensionHandler};
 use bevy::prelude::*;
-use bevy::tasks::block_on;
 
 use crate::tag::NoConvexDecomposition;
 
@@ -17,7 +14,7 @@ const EXTENSION: &str = "MSFT_lod";
 
 /// Marks the coarser levels of a file while Bevy loads it.
 #[derive(Debug, Clone, Default)]
-struct LinkedLevels {
+pub(super) struct LinkedLevels {
     coarser: HashSet<usize>,
 }
 
@@ -44,12 +41,4 @@ impl GltfExtensionHandler for LinkedLevels {
             entity.insert(NoConvexDecomposition);
         }
     }
-}
-
-/// Whichever comes first, this or Bevy's plugin for glTF.
-pub(super) fn mark_linked_levels(app: &mut App) {
-    app.init_resource::<GltfExtensionHandlers>();
-    let handlers = app.world().resource::<GltfExtensionHandlers>();
-    // Browsers have no `write_blocking`.
-    block_on(handlers.0.write()).push(Box::new(LinkedLevels::default()));
 }

@@ -22,7 +22,11 @@ use std::time::Duration;
 use bevy::asset::LoadState;
 use bevy::ecs::entity::{EntityHashMap, EntityHashSet};
 use bevy::ecs::system::SystemParam;
+#[cfg(feature = "bevy_gltf")]
+use bevy::gltf::extensions::{ErasedGltfExtensionHandler, GltfExtensionHandlers};
 use bevy::prelude::*;
+#[cfg(feature = "bevy_gltf")]
+use bevy::tasks::block_on;
 #[cfg(feature = "bevy_gltf")]
 use bevy::world_serialization::{WorldInstance, WorldInstanceSpawner};
 
@@ -77,9 +81,19 @@ pub(super) fn plugin<E: Engine>(app: &mut App) {
 /// Puts on the nodes of glTF files what these say of physics, before they are tagged.
 #[cfg(feature = "bevy_gltf")]
 fn follow_files<E: Engine>(app: &mut App) {
-    linked_levels::mark_linked_levels(app);
-    gltf_physics::read_physics(app);
+    // Whichever comes first, this or Bevy's plugin for glTF.
+    app.init_resource::<GltfExtensionHandlers>();
+    let handlers = app.world().resource::<GltfExtensionHandlers>();
+    // Browsers have no `write_blocking`.
+    block_on(handlers.0.write()).extend::<[Box<dyn ErasedGltfExtensionHandler>; 2]>([
+        Box::new(linked_levels::LinkedLevels::default()),
+        Box::new(gltf_physics::PhysicsReader::default()),
+    ]);
     app.init_resource::<collision_systems::CollisionSystems>()
+        .register_type::<gltf_physics::GltfPhysics>()
+        .register_type::<gltf_physics::MadeOfMeshes>()
+        .register_type::<gltf_physics::ColliderMesh>()
+        .register_type::<gltf_physics::HullsInFile>()
         .register_type::<collision_systems::CollisionSystems>()
         .register_type::<tagging::HiddenByHierarchy>()
         .register_type::<declared::Declared>()
@@ -124,13 +138,22 @@ impl<E: Engine> Scenes<'_, '_, E> {
             let state = self.server.as_ref().and_then(|server| server.get_load_state(&root.0));
             let instance = self.instances.get(entity).ok().zip(self.spawner.as_ref());
             let is_spawned = instance.is_some_and(|(id, spawner)| spawner.instance_is_ready(**id));
-            if let Some(LoadState::Failed(error)) = &state {
-                gltf_physics::explain_refusal(entity, &error.to_string());
-            }
             return Some((is_spawned, matches!(state, Some(LoadState::Failed(_)))));
         }
         let _ = entity;
         None
+    }
+
+    /// What the log says of a scene that could not be loaded, beside Bevy's own line.
+    fn explain_loss(&self, entity: Entity) {
+        #[cfg(feature = "bevy_gltf")]
+        if let Ok(root) = self.roots.get(entity)
+            && let Some(LoadState::Failed(error)) =
+                self.server.as_ref().and_then(|server| server.get_load_state(&root.0))
+        {
+            gltf_physics::explain_refusal(entity, &error.to_string());
+        }
+        let _ = entity;
     }
 
     /// Counts what came from a baked scene, and returns what did not and why, as a sentence without
@@ -304,6 +327,9 @@ fn finish_hierarchies<E: Engine>(
         if waits || !work.unfinished.is_empty() {
             status.set_if_neq(HierarchyStatus::Running);
             continue;
+        }
+        if is_lost {
+            scenes.explain_loss(entity);
         }
         let mut report = HierarchyReport {
             left_out: work.left_out,

@@ -15,7 +15,8 @@ use super::gltf_nodes::transform;
 use super::gltf_tree::Json;
 use crate::hulls_extras::record;
 
-const PHYSICS: &str = "KHR_physics_rigid_bodies";
+/// The extension by which hulls are colliders.
+pub(super) const PHYSICS: &str = "KHR_physics_rigid_bodies";
 
 /// All groups of a document.
 #[derive(Default)]

@@ -60,7 +60,7 @@ use crate::bake::BakeJob;
 use crate::conventions::{Complaint, HullsRecord, ReadBack, WrittenHull, hull_digest};
 use crate::gltf::{Chunks, HullGroups, RawHull, read_hull_groups};
 use crate::gltf_data::Beside;
-use crate::gltf_groups::Group;
+use crate::gltf_groups::{Group, PHYSICS};
 use crate::read::decoded;
 use crate::write::{
     FLOAT, INDICES, MOST_SHORT_INDICES, UNSIGNED_INT, UNSIGNED_SHORT, VERTICES, assemble, material,
@@ -536,8 +536,7 @@ struct Growing {
     is_glb: bool,
 }
 
-/// The extensions of hulls as colliders. The first depends on the second.
-const PHYSICS: &str = "KHR_physics_rigid_bodies";
+/// The extension that [`PHYSICS`] depends on.
 const SHAPES: &str = "KHR_implicit_shapes";
 
 /// More colours than hulls that touch each other; each is a material of the file.

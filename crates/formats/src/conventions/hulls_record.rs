@@ -9,8 +9,9 @@
 //!
 //! ```json
 //! {"hullwright": {
-//!     "hulls": ["0f63c9fb5bb9e3b8", "a7d26a2c0e1f99d4"], "mesh": "9f…", "parameters": "max_error=1%",
-//!     "algorithm_version": 29, "method": "bounded", "source_vertices": 512, "source_triangles": 1020,
+//!     "hulls": ["0f63c9fb5bb9e3b8", "a7d26a2c0e1f99d4"], "mesh": "9f…",
+//!     "parameters": "max_error=1%", "algorithm_version": 29, "method": "bounded",
+//!     "source_vertices": 512, "source_triangles": 1020,
 //!     "diagonal": 0.21, "bound": 0.0021, "protrusion_max": 0.0018, "uncovered_max": 0.002,
 //!     "mass_properties": {"mass": 0.0004, "centre": [0.0, 0.05, 0.0],
 //!         "inertia": [1e-6, 1e-6, 1e-6, 0.0, 0.0, 0.0], "source": "mesh"},

@@ -286,7 +286,7 @@ fn other_parameters_and_the_other_form_replace_what_was_written_and_the_file_doe
     assert_eq!(coarser, bake_by(&original, HullForm::Physics, coarse()));
     assert!(coarser.len() < physics.len());
     assert_eq!(bake(&coarser, HullForm::Physics), physics);
-    // Hulls that nobody wants any more are taken out.
+    // Hulls of meshes that get none any more are taken out.
     let file = HullsInFile::from_bytes(&physics).unwrap();
     let none = file.write(HullForm::Physics, &[]).unwrap();
     assert_eq!(json_text(&none), json_text(&original));
