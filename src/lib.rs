@@ -64,7 +64,7 @@
 // | `debug` (feature) | gizmos, diagnostics | hulls drawn, and numbers among the diagnostics |
 // | `breaking` | `Fragment`, `CutFaces` | bodies that break into bodies |
 // | `scene` | `HierarchyStatus`, `HierarchyWork`, `ColliderPieceOf`, `TaggedByHierarchy`, `HiddenByHierarchy`, `GltfPhysics`, `CollisionSystems`, `DecompositionProgress` | whole scenes, tagged by names, extras and what files say of physics, and how far all work is |
-// | `collider` | `Unfinished`, `Fallbacks`, `OwnCollider`, `OwnMass`, `AttachedCollider`, `AttachedFallback`, `FailedRequest`, `FarFromFocus`, `GivesSurface`, `Frozen` | from tags to requests, from results to colliders; what is out of date; colliders that follow a scale; bodies that wait |
+// | `collider` | `Unfinished`, `Fallbacks`, `Cells` with `LevelCell` and `InLevelCell`, `OwnCollider`, `OwnMass`, `AttachedCollider`, `AttachedFallback`, `FailedRequest`, `FarFromFocus`, `GivesSurface`, `Frozen` | from tags to requests, from results to colliders; what is out of date; colliders that follow a scale; bodies that wait |
 // | `jobs` | `Jobs` with the caches, `FrameTime`, the asset `BakedScene` | requests wait, become jobs, end in results |
 // | `engine` | the engine's collider and mass, `OwnMass`, what a body has during a step | the seam to Rapier and to Avian: what both do in different ways |
 // | `tag` | `DecompositionStatus`, the events and counters of endings, by `Outcomes` alone | what users set, and what is reported |
@@ -94,6 +94,7 @@ pub use hullwright_parry::subshape_at;
 pub use hullwright_rapier;
 
 pub use breaking::{BreakApart, BreakApartExt, BrokenApart, CutFaces, Fragment};
+pub use collider::cells::{InLevelCell, LevelCell};
 pub use collider::children::HullCollider;
 pub use collider::parts::ColliderParts;
 #[cfg(feature = "debug")]
@@ -141,9 +142,9 @@ pub mod prelude {
         DecompositionReady, DecompositionShape, DecompositionSkipped, DecompositionStatus,
         Execution, FallbackCollider, Fragment, FromBakedScene, HierarchyFinished, HierarchyReport,
         HierarchyStatus, HullCollider, HullGrouping, HullSource, HullwrightPlugin,
-        HullwrightSettings, HullwrightSystems, MadeOf, MaxError, NoConvexDecomposition,
-        PhysicsEngine, SkipReason, SkipSettings, VerifiedDistances, WaitReason,
-        all_decompositions_done, decompositions_pending,
+        HullwrightSettings, HullwrightSystems, InLevelCell, LevelCell, MadeOf, MaxError,
+        NoConvexDecomposition, PhysicsEngine, SkipReason, SkipSettings, VerifiedDistances,
+        WaitReason, all_decompositions_done, decompositions_pending,
     };
     #[cfg(feature = "debug")]
     pub use super::{HullwrightDebug, HullwrightDebugPlugin};
@@ -256,6 +257,8 @@ mod pages {
     struct FixedTimestep;
     #[doc = include_str!("../docs/bevy/hulls.md")]
     struct Hulls;
+    #[doc = include_str!("../docs/bevy/levels.md")]
+    struct Levels;
     #[doc = include_str!("../docs/bevy/migration.md")]
     struct Migration;
     #[doc = include_str!("../docs/bevy/settings.md")]

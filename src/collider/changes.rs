@@ -10,6 +10,7 @@ use bevy::ecs::query::Allow;
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 
+use super::cells::LevelCell;
 use super::placement::{Placements, Stretch};
 use super::resolve::Distances;
 use super::work::{
@@ -25,7 +26,8 @@ use crate::tag::outcomes::{
 use crate::tag::settings::HullwrightSettings;
 use crate::tag::{ConvexDecomposition, NoConvexDecomposition};
 
-pub(super) type Tagged = Or<(With<ConvexDecomposition>, With<BakedDecomposition>)>;
+/// What gets a collider by the plugin.
+pub(super) type Tagged = Or<(With<ConvexDecomposition>, With<BakedDecomposition>, With<LevelCell>)>;
 type Tags = (Option<Ref<'static, ConvexDecomposition>>, Option<Ref<'static, BakedDecomposition>>);
 type ChangedTag = (
     Or<(Changed<ConvexDecomposition>, Changed<BakedDecomposition>, Changed<FromBakedScene>)>,

@@ -1,6 +1,7 @@
 //! From tags to requests, and from results to colliders: what has changed, what is attached, which
 //! bodies wait. Errors become statuses, events, and one line of the log.
 
+pub(super) mod cells;
 pub(super) mod changes;
 pub(super) mod children;
 mod follow;
@@ -21,6 +22,9 @@ use bevy::prelude::*;
 use hullwright::hulls_format::HullsFile;
 use hullwright_parry::ColliderError;
 
+use self::cells::{
+    Cells, InLevelCell, LevelCell, detect_leaving, drop_clones, finish_members, on_empty, on_leave,
+};
 use self::changes::{
     LoneScene, detect_assets, detect_moved_parts, detect_scales, detect_tags, drop_far,
     on_collider, on_untag, start_near,
@@ -53,8 +57,11 @@ use super::tag::settings::{HullwrightSettings, HullwrightSystems};
 pub(super) fn plugin<E: Engine>(app: &mut App) {
     app.init_resource::<Unfinished>()
         .init_resource::<Fallbacks>()
+        .init_resource::<Cells>()
         .init_resource::<E::Cache>()
         .add_observer(on_collider::<E>)
+        .add_observer(on_empty)
+        .add_observer(on_leave)
         .add_observer(on_untag::<E, ConvexDecomposition>)
         .add_observer(on_untag::<E, BakedDecomposition>);
     // Where the engine runs in fixed steps: a body that is tagged before them does not fall.
@@ -68,6 +75,7 @@ pub(super) fn plugin<E: Engine>(app: &mut App) {
                 detect_assets::<E, BakedScene>,
                 detect_scales::<E>,
                 detect_moved_parts::<E>,
+                (detect_leaving::<E>, drop_clones),
                 #[cfg(feature = "bevy_gltf")]
                 changes::detect_shown::<E>
                     .run_if(|settings: Res<HullwrightSettings>| settings.skip.hidden),
@@ -87,7 +95,7 @@ pub(super) fn plugin<E: Engine>(app: &mut App) {
                 .in_set(HullwrightSystems::RunJobs)
                 .run_if(|fallbacks: Res<Fallbacks>| !fallbacks.is_empty()),
             (
-                (attach::<E>, report_failures::<E>).chain().run_if(is_busy),
+                (attach::<E>, report_failures::<E>, finish_members::<E>).chain().run_if(is_busy),
                 follow_scales::<E>.run_if(|of: Res<Unfinished>| !of.to_follow.is_empty()),
                 freeze::<E>.run_if(
                     is_busy
@@ -182,6 +190,10 @@ fn attach<E: Engine>(
                 }
             }
         }
+        if targets.cells.contains(entity) {
+            outcomes.counters.level_cells += 1;
+            continue;
+        }
         if let Some(reason) = requested.request.why_triangles() {
             outcomes.skipped(entity, reason);
             continue;
@@ -212,6 +224,7 @@ fn report_failures<E: Engine>(
     placements: Placements<E>,
     descriptions: Descriptions,
     before: Query<MadeBefore<E>>,
+    cells: Query<(), With<LevelCell>>,
     mut outcomes: Outcomes,
 ) {
     // By their text: how many, and the first of them.
@@ -224,7 +237,8 @@ fn report_failures<E: Engine>(
         if is_outdated {
             continue;
         }
-        if !is_known {
+        let is_cell = cells.contains(entity);
+        if !is_known && !is_cell {
             let asset = requested.as_ref().and_then(|of| of.request.input.asset());
             let line = to_log.entry(error.to_string());
             line.or_insert_with(|| (0, descriptions.entity(entity, asset))).0 += 1;
@@ -241,7 +255,10 @@ fn report_failures<E: Engine>(
         if let Ok(before) = before.get(entity) {
             before.detach(&mut outcomes.commands.entity(entity));
         }
-        outcomes.failed(entity, error);
+        // Those in it report for themselves.
+        if !is_cell {
+            outcomes.failed(entity, error);
+        }
     }
     for (text, (count, first)) in to_log {
         log::warn!("no convex decomposition for {}: {text}", entities(count, &first));
@@ -255,6 +272,7 @@ struct Targets<'w, 's, E: Engine> {
     surfaces: Query<'w, 's, <E as Engine>::Surface>,
     placements: Placements<'w, 's, E>,
     descriptions: Descriptions<'w, 's>,
+    cells: Query<'w, 's, (), With<LevelCell>>,
 }
 
 impl<E: Engine> Targets<'_, '_, E> {
@@ -288,7 +306,7 @@ impl<E: Engine> Targets<'_, '_, E> {
         if before.owns_mass() && mass.is_none() {
             E::remove_mass(&mut commands);
         }
-        commands.try_remove::<AttachedFallback>();
+        commands.try_remove::<(AttachedFallback, InLevelCell)>();
         if before.is_in_children() {
             children::detach(&mut commands);
         }

@@ -184,7 +184,6 @@ impl<E: Engine> Placements<'_, '_, E> {
     }
 
     pub(super) fn placement(&self, entity: Entity) -> Placement {
-        let global = self.global_transform(entity);
         let stretch = self.stretch(entity);
         let map = match self.body(entity) {
             Some((body, _)) if body != entity => {
@@ -193,13 +192,18 @@ impl<E: Engine> Placements<'_, '_, E> {
                 let wanted = to_body * self.relative(entity, body);
                 snap(self.offset(entity, body).inverse() * wanted, wanted.translation)
             }
-            _ => snap(Affine3A::from_mat3(without_rotation(&global).into()), Vec3A::ZERO),
+            _ => snap(self.stretched(entity), Vec3A::ZERO),
         };
         let engine_scale = match E::SCALES_COLLIDERS {
             true => self.scale_of_all(entity),
             false => Vec3::ONE,
         };
         Placement { map, engine_scale, stretch }
+    }
+
+    /// All that a transform does but turn and move.
+    pub(super) fn stretched(&self, entity: Entity) -> Affine3A {
+        Affine3A::from_mat3(without_rotation(&self.global_transform(entity)).into())
     }
 
     /// The scale that an entity has now, also before Bevy propagates it.

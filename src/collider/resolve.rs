@@ -11,9 +11,12 @@ use bevy::ecs::system::SystemParam;
 use bevy::math::{Affine3A, Vec3A};
 use bevy::mesh::VertexAttributeValues;
 use bevy::prelude::*;
-use hullwright_formats::conventions::is_coarser_level;
+use hullwright_formats::conventions::{is_coarser_level, level_cell};
 use hullwright_parry::ColliderError;
 
+use super::cells::{
+    CellKey, CellPlace, Cells, InLevelCell, LevelCell, OfCell, OutOfCells, SharesCells,
+};
 use super::placement::{Placement, Placements};
 use super::waiting::Fallbacks;
 use super::work::{
@@ -30,7 +33,7 @@ use crate::tag::outcomes::{
 };
 use crate::tag::parameters::Goal;
 use crate::tag::settings::{FallbackCollider, HullwrightSettings};
-use crate::tag::{ConvexDecomposition, DecompositionFocus};
+use crate::tag::{ConvexDecomposition, DEFAULT_DENSITY, DecompositionFocus};
 
 /// Which meshes are coarser levels of detail: of those that stand for one thing the finest makes
 /// the collider.
@@ -82,6 +85,9 @@ pub(super) struct Scene<'w, 's, E: Engine> {
     levels: Levels<'w, 's>,
     #[cfg(feature = "bevy_gltf")]
     visibilities: Query<'w, 's, &'static Visibility>,
+    sharing: Query<'w, 's, &'static SharesCells, Without<OutOfCells>>,
+    in_cells: Query<'w, 's, &'static InLevelCell>,
+    surfaces: Query<'w, 's, <E as Engine>::Surface>,
     placements: Placements<'w, 's, E>,
     distances: Distances<'w, 's>,
     descriptions: Descriptions<'w, 's>,
@@ -95,6 +101,7 @@ struct Tag<E: Engine> {
     tag: Option<&'static ConvexDecomposition>,
     baked: Option<&'static BakedDecomposition>,
     scene: Option<&'static FromBakedScene>,
+    cell: Option<(&'static LevelCell, &'static OfCell)>,
     before: MadeBefore<E>,
     is_too_small: Has<TooSmallAt>,
 }
@@ -156,6 +163,7 @@ pub(super) fn resolve<E: Engine>(
     mut work: Work,
     Frame { mut time, settings }: Frame,
     mut fallbacks: ResMut<Fallbacks>,
+    mut cells: ResMut<Cells>,
     scene: Scene<E>,
     mut outcomes: Outcomes,
 ) {
@@ -227,6 +235,14 @@ pub(super) fn resolve<E: Engine>(
             }
             Resolution::Requested(requested, Presence::There) => {
                 let request = requested.request.clone();
+                if let Some(place) = &requested.cell {
+                    let parts = requested.parts.iter().copied().zip(request.parts.iter().cloned());
+                    let member = (entity, &**place);
+                    cells.join(&mut outcomes.commands, &mut work.unfinished, member, parts);
+                    outcomes.show(entity, DecompositionStatus::Waiting(WaitReason::InQueue));
+                    work.unfinished.resolve(entity, requested);
+                    continue;
+                }
                 work.unfinished.resolve(entity, requested);
                 if work.jobs.submit(entity, request.clone()) {
                     outcomes.show(entity, DecompositionStatus::Waiting(WaitReason::InQueue));
@@ -260,6 +276,9 @@ impl<E: Engine> Scene<'_, '_, E> {
     fn resolution(&self, entity: Entity, tag: &TagItem<E>, jobs: &Jobs) -> Resolution {
         if tag.before.has_games_collider() {
             return Resolution::Skipped(SkipReason::HasCollider);
+        }
+        if let Some((cell, OfCell(key))) = tag.cell {
+            return self.cell_request(entity, cell, key, jobs);
         }
         match (tag.baked, tag.tag) {
             (Some(baked), _) => self.baked_request(entity, baked, jobs),
@@ -319,7 +338,7 @@ impl<E: Engine> Scene<'_, '_, E> {
         let parts = meshes.into_iter().map(|(entity, _)| entity).collect();
         let children = baked.children;
         let request = Arc::new(request);
-        let requested = Requested { request, stretch, weight, children, parts };
+        let requested = Requested { request, stretch, weight, children, parts, cell: None };
         Resolution::Requested(requested, presence)
     }
 
@@ -370,7 +389,7 @@ impl<E: Engine> Scene<'_, '_, E> {
             // Triangles are taken from there where the mesh has none, or shall not be looked at.
             let is_needed = match goal {
                 Goal::Hulls(_) => true,
-                Goal::Triangles(_) => {
+                Goal::Triangles { .. } => {
                     let mut meshes = parts.iter().filter_map(|part| self.meshes.get(part.mesh));
                     meshes.any(is_for_gpu_only)
                 }
@@ -390,28 +409,68 @@ impl<E: Engine> Scene<'_, '_, E> {
             return Resolution::Skipped(SkipReason::TooSmall);
         }
         let presence = self.presence(entity, missing, &to_collider);
-        // A bound in metres means metres of the world, so the mesh is scaled first.
-        let (map_before, map) = match goal.has_absolute_length() {
-            true => (to_collider, Affine3A::IDENTITY),
-            false => (Affine3A::IDENTITY, to_collider),
-        };
-        let input = Arc::new(InputId::Meshes {
-            parts: parts.iter().map(|part| (part.mesh, MapKey::new(&part.to_input))).collect(),
-            goal: goal.hash(),
-            map_before: MapKey::new(&map_before),
-            scene: baked,
-            edition: jobs.edition(parts.iter().map(|part| part.mesh.untyped()).chain(baked)),
-        });
-        let request = ColliderRequest { input, parts, goal: Some(goal), map_before, map };
+        let cell = self.cell_of(entity, &goal, &parts).map(Box::new);
+        let request = Arc::new(request(parts, goal, baked, to_collider, jobs));
         let weight = Weight { density: tag.density, mass: tag.mass };
-        let (request, children) = (Arc::new(request), tag.children);
-        let requested = Requested { request, stretch, weight, children, parts: entities };
+        let children = tag.children;
+        let requested = Requested { request, stretch, weight, children, parts: entities, cell };
+        Resolution::Requested(requested, presence)
+    }
+
+    /// The cell whose collider an entity shares: what never moves, is small, and has nothing of a
+    /// surface or a body by itself.
+    fn cell_of(&self, entity: Entity, goal: &Goal, parts: &[MeshPart]) -> Option<CellPlace> {
+        use SkipReason::{FixedBody, NoBody};
+        let Goal::Triangles { reason: reason @ (FixedBody | NoBody), bound } = *goal else {
+            return None;
+        };
+        let &SharesCells { root, size } = self.sharing.get(entity).ok()?;
+        let body = |entity| self.placements.body(entity).map(|(body, _)| body);
+        let mut meshes = parts.iter().filter_map(|part| self.meshes.get(part.mesh));
+        if entity == root
+            || body(entity) != body(root)
+            || self.surfaces.get(entity).is_ok_and(|own| E::has_surface(&own))
+            || meshes.any(is_for_gpu_only)
+        {
+            return None;
+        }
+        let scale = self.placements.stretched(root);
+        let place = self.placements.relative(entity, root);
+        let (low, high) = self.world_box(parts, &(scale * place))?;
+        let index = level_cell(low.to_array(), high.to_array(), size)?;
+        let middle = (Vec3::from_array(index.map(|x| x as f32)) + 0.5) * size;
+        let origin = scale.inverse().transform_point3(middle);
+        let bound = bound.map(f32::to_bits);
+        let key = CellKey { root, index, size: size.to_bits(), reason, bound };
+        origin.is_finite().then_some(CellPlace { key, origin, place })
+    }
+
+    /// The collider of all in a cell.
+    fn cell_request(
+        &self,
+        entity: Entity,
+        cell: &LevelCell,
+        key: &CellKey,
+        jobs: &Jobs,
+    ) -> Resolution {
+        let members = cell.entities().iter().filter_map(|member| self.in_cells.get(*member).ok());
+        let (entities, parts): (Vec<Entity>, Vec<MeshPart>) =
+            members.flat_map(InLevelCell::parts).cloned().unzip();
+        let missing = parts.iter().map(|part| part.mesh).find(|mesh| !self.meshes.contains(*mesh));
+        let Placement { map, stretch, .. } = self.placements.placement(entity);
+        let presence = self.presence(entity, missing.map(AssetId::untyped), &map);
+        let bound = key.bound.map(f32::from_bits);
+        let goal = Goal::Triangles { reason: key.reason, bound };
+        let request = Arc::new(request(parts, goal, None, map, jobs));
+        let weight = Weight { density: DEFAULT_DENSITY, mass: None };
+        let (parts, children, cell) = (entities, None, None);
+        let requested = Requested { request, stretch, weight, children, parts, cell };
         Resolution::Requested(requested, presence)
     }
 
     fn goal(&self, entity: Entity, tag: &ConvexDecomposition) -> Goal {
         if let Some(reason) = self.placements.why_triangles(entity, tag.shape) {
-            return Goal::Triangles(reason);
+            return Goal::triangles(tag, reason, self.distances.settings.level_bound);
         }
         let mut goal = Goal::of(tag, self.distances.settings.probe_radius);
         if self.is_primitive_among_others(entity) {
@@ -460,6 +519,13 @@ impl<E: Engine> Scene<'_, '_, E> {
         if min_size <= 0.0 {
             return false;
         }
+        // What is wrong with it is said elsewhere.
+        let world_box = self.world_box(parts, map);
+        world_box.is_some_and(|(low, high)| low.distance(high) < min_size)
+    }
+
+    /// The box around meshes that are moved by a map; `None` where some have none. O(vertices).
+    fn world_box(&self, parts: &[MeshPart], map: &Affine3A) -> Option<(Vec3, Vec3)> {
         let (mut low, mut high) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
         for part in parts {
             let mesh = self.meshes.get(part.mesh);
@@ -473,8 +539,7 @@ impl<E: Engine> Scene<'_, '_, E> {
             let points = match (positions, &corners) {
                 (Some(VertexAttributeValues::Float32x3(positions)), _) => &positions[..],
                 (_, Some(corners)) => corners,
-                // What is wrong with it is said elsewhere.
-                (_, None) => return false,
+                (_, None) => return None,
             };
             let to_world = *map * part.to_input;
             for point in points {
@@ -482,7 +547,7 @@ impl<E: Engine> Scene<'_, '_, E> {
                 (low, high) = (low.min(point), high.max(point));
             }
         }
-        low.distance(high) < min_size
+        Some((low, high))
     }
 
     /// Whether an asset that is not there will not come.
@@ -490,6 +555,29 @@ impl<E: Engine> Scene<'_, '_, E> {
         let state = self.server.as_ref().and_then(|server| server.get_load_state(id));
         matches!(state, Some(LoadState::Failed(_)))
     }
+}
+
+/// What is requested of meshes.
+fn request(
+    parts: Vec<MeshPart>,
+    goal: Goal,
+    baked: Option<UntypedAssetId>,
+    to_collider: Affine3A,
+    jobs: &Jobs,
+) -> ColliderRequest {
+    // A bound in metres means metres of the world, so the mesh is scaled first.
+    let (map_before, map) = match goal.has_absolute_length() {
+        true => (to_collider, Affine3A::IDENTITY),
+        false => (Affine3A::IDENTITY, to_collider),
+    };
+    let input = Arc::new(InputId::Meshes {
+        parts: parts.iter().map(|part| (part.mesh, MapKey::new(&part.to_input))).collect(),
+        goal: goal.hash(),
+        map_before: MapKey::new(&map_before),
+        scene: baked,
+        edition: jobs.edition(parts.iter().map(|part| part.mesh.untyped()).chain(baked)),
+    });
+    ColliderRequest { input, parts, goal: Some(goal), map_before, map }
 }
 
 /// Where entities and focuses are, and how far the settings let them be apart.

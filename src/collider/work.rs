@@ -15,6 +15,7 @@ use hullwright::MassProperties;
 use hullwright_parry::ColliderError;
 use hullwright_parry::parry3d::shape::SharedShape;
 
+use super::cells::{CellPlace, InLevelCell};
 use super::children::{self, ColliderInChildren};
 use super::moved::moved;
 use super::parts::ColliderParts;
@@ -47,6 +48,8 @@ pub(crate) struct Requested {
     pub children: Option<HullGrouping>,
     /// The entities whose meshes it is made of, in the order of the request's parts.
     pub parts: Vec<Entity>,
+    /// The cell whose collider it shares.
+    pub cell: Option<Box<CellPlace>>,
 }
 
 impl Requested {
@@ -57,7 +60,8 @@ impl Requested {
     /// Whether a job for the one is none for the other.
     pub(super) fn needs_other_work(&self, other: &Self) -> bool {
         let (own, others) = (&self.request, &other.request);
-        own.why_triangles() != others.why_triangles()
+        self.cell != other.cell
+            || own.why_triangles() != others.why_triangles()
             || !own.input.is_same_unscaled(&others.input)
             || maps_differ(&own.map_before, &others.map_before)
     }
@@ -187,6 +191,7 @@ pub(crate) struct MadeBefore<E: Engine> {
     pub(super) parts: Option<&'static ColliderParts>,
     own: Option<&'static OwnCollider>,
     in_children: Has<ColliderInChildren>,
+    in_cell: Has<InLevelCell>,
     in_engine: E::Made,
 }
 
@@ -198,7 +203,7 @@ impl<E: Engine> MadeBeforeItem<'_, '_, E> {
     }
 
     pub(super) fn has_collider(&self) -> bool {
-        self.in_children || E::present(&self.in_engine).is_some()
+        self.in_children || self.in_cell || E::present(&self.in_engine).is_some()
     }
 
     /// Whether its collider is the game's. One that was left to the engine has its scale.
@@ -235,6 +240,9 @@ impl<E: Engine> MadeBeforeItem<'_, '_, E> {
                     Presence::Never(error) => *error == failed.error,
                 };
         }
+        if wanted.cell.is_some() {
+            return self.in_cell;
+        }
         let has_its_scale = self.own.is_some_and(|own| !own.stretch.differs(&wanted.stretch));
         self.has_collider()
             && has_its_scale
@@ -245,6 +253,14 @@ impl<E: Engine> MadeBeforeItem<'_, '_, E> {
     /// Takes the plugin's collider away, and the mass that it came with. One that the game has put
     /// in its place stays.
     pub(crate) fn detach(&self, entity: &mut EntityCommands) {
+        if self.in_cell {
+            entity.try_remove::<(InLevelCell, AttachedCollider)>();
+        }
+        self.detach_own(entity);
+    }
+
+    /// The same of a collider that is on the entity itself.
+    pub(super) fn detach_own(&self, entity: &mut EntityCommands) {
         if self.own.is_none() {
             return;
         }
@@ -331,6 +347,18 @@ impl Unfinished {
     /// Those that are not disabled.
     pub(super) fn awake(&self) -> impl Iterator<Item = Entity> {
         self.entries.iter().filter(|(_, entry)| !entry.is_parked).map(|(entity, _)| *entity)
+    }
+
+    /// Those that wait for the collider of a cell.
+    pub(super) fn in_cells(&self) -> impl Iterator<Item = Entity> {
+        self.awake().filter(|entity| self.requested(*entity).is_some_and(|of| of.cell.is_some()))
+    }
+
+    /// Whether an entity is made anew, or will be.
+    pub(super) fn is_pending(&self, entity: Entity) -> bool {
+        self.entries.contains_key(&entity)
+            || self.moving.contains_key(&entity)
+            || self.marked.contains(&entity)
     }
 
     pub(crate) fn len(&self) -> usize {

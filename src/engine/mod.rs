@@ -16,6 +16,10 @@ macro_rules! surface {
             $($field: Option<&'static $component>,)*
         }
 
+        fn has_surface(own: &SurfaceItem) -> bool {
+            $(own.$field.is_some())||*
+        }
+
         fn inherit(own: &SurfaceItem, from: &[SurfaceItem], to: &mut EntityCommands) {
             $(if own.$field.is_none()
                 && let Some(component) = from.iter().find_map(|giver| giver.$field)
@@ -191,6 +195,9 @@ pub(crate) trait Engine: Send + Sync + Sized + 'static {
         from: &[Item<'_, '_, Self::Surface>],
         to: &mut EntityCommands,
     );
+
+    /// Whether a collider has anything of a surface by itself.
+    fn has_surface(own: &Item<'_, '_, Self::Surface>) -> bool;
 
     /// Copies what a collider has of its surface to another entity.
     fn copy_surface(entity: &mut EntityCommands, to: Entity);

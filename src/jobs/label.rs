@@ -124,7 +124,7 @@ impl Labels<'_> {
         let outline = all.ok_or(NOT_ONE_MESH)?;
         match goal {
             Goal::Hulls(method) => place_of_hulls(scene, mesh, method, &outline),
-            Goal::Triangles(_) => place_of_triangles(scene.scene(), mesh, &outline),
+            Goal::Triangles { .. } => place_of_triangles(scene.scene(), mesh, &outline),
             Goal::Primitive(_) => Err("it is to have a box, ball or capsule"),
         }
     }

@@ -8,6 +8,7 @@ pub(super) mod cache;
 mod elsewhere;
 mod kept;
 pub(super) mod label;
+mod level;
 #[cfg(not(all(target_family = "wasm", target_os = "unknown")))]
 mod native;
 mod platform;
@@ -342,8 +343,7 @@ impl Jobs {
 
     /// Whether a request takes no decomposition, as far as is known without a look at its mesh.
     fn is_quick(&self, request: &ColliderRequest) -> bool {
-        let makes_hulls = request.goal.as_ref().is_some_and(|goal| goal.parameters().is_some());
-        !makes_hulls
+        request.goal.as_ref().is_none_or(Goal::is_quick)
             || match self.key_of(&request.input) {
                 None => request.input.scene().is_some(),
                 Some(key) => key.is_baked() || self.cache.geometry(key).is_some(),
@@ -759,7 +759,7 @@ impl Sources<'_, '_> {
         // Only baked hulls have no goal, and they are found above.
         let goal = request.goal.clone().ok_or(DecompositionError::NotLoaded)?;
         // Triangles that are there are as good as those that are baked.
-        if goal.parameters().is_none() {
+        if goal.is_quick() {
             baked = None;
         }
         Ok(TaskInput::Mesh { data, goal, baked })

@@ -18,6 +18,7 @@ use hullwright_parry::parry3d::shape::{SharedShape, TriMeshFlags};
 use super::baked::BakedScene;
 use super::cache::{BuiltCollider, ColliderGeometry, GeometryCache, WorkClaim};
 use super::elsewhere::{Answer, Lookup};
+use super::level::simplified;
 use super::platform::{DiskCache, Elsewhere, Hashing, Runner, look};
 use super::progress::SharedProgress;
 use super::request::{ContentKey, MapKey, MeshData};
@@ -171,7 +172,13 @@ impl DecompositionTask {
             return Ok(Some(TaskOutput::Wait(key)));
         };
         let geometry = match goal {
-            Goal::Triangles(_) => ColliderGeometry::Triangles(data).into(),
+            Goal::Triangles { bound, .. } => {
+                let data = match bound {
+                    Some(bound) => simplified(data, *bound, control)?,
+                    None => data,
+                };
+                ColliderGeometry::Triangles(data).into()
+            }
             Goal::Primitive(kind) => ColliderGeometry::Primitive(*kind, data).into(),
             Goal::Hulls(method) => {
                 let found = self.disk_cache.as_ref().map(|cache| look(cache, key));

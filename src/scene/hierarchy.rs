@@ -61,6 +61,10 @@ pub struct ConvexDecompositionHierarchy {
     /// to the code that loads them. Default `None`.
     #[cfg_attr(feature = "serde", serde(skip))]
     pub baked: Option<Handle<BakedScene>>,
+    /// The side of a cell, in metres of the world; positive. Meshes that fit into a cell and never
+    /// move share one collider with the others of their cell, a [`LevelCell`](crate::LevelCell).
+    /// `None` for a collider each. Default `None`.
+    pub cell_size: Option<f32>,
 }
 
 template_like_default! {
@@ -69,6 +73,7 @@ template_like_default! {
         default_tag: Option<ConvexDecomposition>,
         by_name: HashMap<String, Option<ConvexDecomposition>>,
         follows_artists: bool,
+        cell_size: Option<f32>,
     }
 }
 
@@ -79,6 +84,7 @@ impl Default for ConvexDecompositionHierarchy {
             by_name: HashMap::default(),
             follows_artists: true,
             baked: None,
+            cell_size: None,
         }
     }
 }
@@ -105,6 +111,13 @@ impl ConvexDecompositionHierarchy {
     #[must_use]
     pub fn with_baked(mut self, baked: Handle<BakedScene>) -> Self {
         self.baked = Some(baked);
+        self
+    }
+
+    /// The same with one collider for all in a cell that never moves; `None` for one each.
+    #[must_use]
+    pub fn with_cells(mut self, size: impl Into<Option<f32>>) -> Self {
+        self.cell_size = size.into();
         self
     }
 

@@ -19,6 +19,7 @@ use super::complaints::Complaints;
 #[cfg(feature = "bevy_gltf")]
 use super::gltf_physics::{ColliderMesh, GltfPhysics, HullsInFile, MadeOfMeshes};
 use super::hierarchy::{ConvexDecompositionHierarchy, HierarchyStatus, HierarchyWork};
+use crate::collider::cells::SharesCells;
 use crate::collider::placement::GivesSurface;
 use crate::collider::resolve::Levels;
 use crate::collider::work::MadeBefore;
@@ -109,6 +110,7 @@ pub(super) struct Nodes<'w, 's, E: Engine> {
     /// What hierarchies said before: a tag, or hulls of the file, or neither for no collider.
     pub tagged: Query<'w, 's, TagOrHulls, With<TaggedByHierarchy>>,
     from_scenes: Query<'w, 's, &'static FromBakedScene>,
+    shares: Query<'w, 's, &'static SharesCells>,
     levels: Levels<'w, 's>,
     pieces: Pieces<'w, 's>,
     #[cfg(feature = "bevy_gltf")]
@@ -593,7 +595,7 @@ impl<E: Engine> Rules<'_, '_, '_, E> {
                 before.detach(&mut commands);
             }
             commands.try_remove::<(ConvexDecomposition, BakedDecomposition, FromBakedScene)>();
-            commands.try_remove::<TaggedByHierarchy>();
+            commands.try_remove::<(TaggedByHierarchy, SharesCells)>();
         }
     }
 
@@ -631,6 +633,14 @@ impl<E: Engine> Rules<'_, '_, '_, E> {
                 match baked {
                     Some(baked) => commands.try_insert(baked),
                     None => commands.try_remove::<FromBakedScene>(),
+                };
+            }
+            let size = hierarchy.cell_size.filter(|size| *size > 0.0 && tag.is_some());
+            let shares = size.map(|size| SharesCells { root: self.root, size });
+            if shares.as_ref() != nodes.shares.get(node).ok() {
+                match shares {
+                    Some(shares) => commands.try_insert(shares),
+                    None => commands.try_remove::<SharesCells>(),
                 };
             }
             has_news |= !nodes.tagged.contains(node);
@@ -744,6 +754,7 @@ fn with_extras(extras: &ExtrasTag, base: ConvexDecomposition) -> Treatment {
             preset: extras.preset.map_or(tag.preset, Into::into),
             openings: extras.openings.map_or(tag.openings, Into::into),
             probe_radius: extras.probe_radius.or(tag.probe_radius),
+            level_bound: extras.level_bound.or(tag.level_bound),
             max_hulls: extras.max_hulls.or(tag.max_hulls),
             max_vertices: extras.max_vertices.or(tag.max_vertices),
             keep_cavities: extras.keep_cavities.unwrap_or(tag.keep_cavities),

@@ -63,6 +63,11 @@ pub struct ConvexDecomposition {
     /// kept. `None` for what [`HullwrightSettings`](crate::HullwrightSettings) says. Default
     /// `None`.
     pub probe_radius: Option<f32>,
+    /// How far the triangles of what never moves may be from the mesh, and the mesh from them, in
+    /// metres of the world: then there are few of them, and it is verified. 0 for the mesh's own
+    /// triangles. `None` for what [`HullwrightSettings`](crate::HullwrightSettings) says. Default
+    /// `None`.
+    pub level_bound: Option<f32>,
     /// What the collider is made of. Default [`DecompositionShape::Auto`].
     pub shape: DecompositionShape,
     /// Mass per cubed unit of the world; positive. Default 1.
@@ -170,6 +175,7 @@ impl Default for ConvexDecomposition {
             keep_cavities: false,
             openings: DecompositionOpenings::Auto,
             probe_radius: None,
+            level_bound: None,
             shape: DecompositionShape::Auto,
             density: DEFAULT_DENSITY,
             mass: None,
@@ -212,6 +218,9 @@ setters! { ConvexDecomposition:
     /// The same with the radius of what moves, in metres of the world; `None` for that of the
     /// settings.
     with_probe_radius(probe_radius: impl Into<Option<f32>>) = probe_radius.into();
+    /// The same with few triangles within a bound, in metres of the world, where nothing moves; 0
+    /// for the mesh's own, `None` for the bound of the settings.
+    with_level_bound(level_bound: impl Into<Option<f32>>) = level_bound.into();
     /// The same made of something else.
     with_shape(shape: DecompositionShape) = shape;
     /// The same with a mass instead of a density; `None` for the density.
@@ -298,6 +307,7 @@ mod tests {
             .with_keep_cavities(true)
             .with_openings(DecompositionOpenings::Close)
             .with_probe_radius(0.1)
+            .with_level_bound(0.02)
             .with_shape(DecompositionShape::Capsule)
             .with_mass(2.0)
             .as_children(HullGrouping::EachPart)

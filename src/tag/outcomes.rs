@@ -136,8 +136,10 @@ pub struct DecompositionCounters {
     pub baked: usize,
     /// Colliders that are a single hull, as those of convex meshes are, or a box, ball or capsule.
     pub convex: usize,
-    /// Triangle meshes, of what never moves or on request.
+    /// Entities with triangles, of what never moves or on request.
     pub triangle_meshes: usize,
+    /// Colliders that were made for the cells of scenes, each for all that share it.
+    pub level_cells: usize,
     /// Entities skipped because they had a collider.
     pub had_collider: usize,
     /// Entities skipped because they are hidden.

@@ -24,8 +24,12 @@ pub(crate) enum PrimitiveKind {
 pub(crate) enum Goal {
     /// Hulls by this method.
     Hulls(Method),
-    /// The triangles as they are, and why.
-    Triangles(SkipReason),
+    /// Triangles, and why.
+    Triangles {
+        reason: SkipReason,
+        /// How far they may be from the mesh, in metres of the world; `None` for its own.
+        bound: Option<f32>,
+    },
     /// A box, ball or capsule around it.
     Primitive(PrimitiveKind),
 }
@@ -42,6 +46,16 @@ impl Goal {
             parameters.probe_radius = probe_radius.map(metres);
         }
         goal
+    }
+
+    /// The triangles of what has this tag. Where it says nothing of a bound, `level_bound` holds.
+    pub(crate) fn triangles(
+        tag: &ConvexDecomposition,
+        reason: SkipReason,
+        level_bound: Option<f32>,
+    ) -> Self {
+        let bound = tag.level_bound.or(level_bound).filter(|bound| *bound != 0.0);
+        Self::Triangles { reason, bound }
     }
 
     fn of_tag(tag: &ConvexDecomposition) -> Self {
@@ -64,16 +78,21 @@ impl Goal {
     pub(crate) fn parameters(&self) -> Option<&Method> {
         match self {
             Self::Hulls(parameters) => Some(parameters),
-            Self::Triangles(_) | Self::Primitive(_) => None,
+            Self::Triangles { .. } | Self::Primitive(_) => None,
         }
     }
 
     /// Why there are triangles instead of hulls.
     pub(crate) fn why_triangles(&self) -> Option<SkipReason> {
         match self {
-            Self::Triangles(reason) => Some(*reason),
+            Self::Triangles { reason, .. } => Some(*reason),
             Self::Hulls(_) | Self::Primitive(_) => None,
         }
+    }
+
+    /// Whether it takes no more than a look at the mesh.
+    pub(crate) fn is_quick(&self) -> bool {
+        matches!(self, Self::Triangles { bound: None, .. } | Self::Primitive(_))
     }
 
     /// Whether the result depends on how large the mesh is in the world.
@@ -84,7 +103,8 @@ impl Goal {
                 is_absolute(of.max_error) || of.probe_radius.is_some_and(is_absolute)
             }
             Self::Hulls(Method::Surface(of)) => is_absolute(of.unit),
-            Self::Triangles(_) | Self::Primitive(_) => false,
+            Self::Triangles { bound, .. } => bound.is_some(),
+            Self::Primitive(_) => false,
         }
     }
 
@@ -108,14 +128,18 @@ impl Goal {
     pub(crate) fn hash(&self) -> [u8; 32] {
         let mut hasher = Sha256::new_with_prefix(ALGORITHM_VERSION.to_le_bytes());
         hasher.update([match self {
-            Self::Triangles(_) => 0,
+            Self::Triangles { .. } => 0,
             Self::Hulls(_) => 1,
             Self::Primitive(PrimitiveKind::Cuboid) => 2,
             Self::Primitive(PrimitiveKind::Ball) => 3,
             Self::Primitive(PrimitiveKind::Capsule) => 4,
         }]);
-        if let Self::Hulls(parameters) = self {
-            hasher.update(parameters.fingerprint());
+        match self {
+            Self::Hulls(parameters) => hasher.update(parameters.fingerprint()),
+            Self::Triangles { bound: Some(bound), .. } => {
+                hasher.update(bound.to_le_bytes());
+            }
+            Self::Triangles { bound: None, .. } | Self::Primitive(_) => {}
         }
         hasher.finalize().into()
     }
@@ -149,7 +173,8 @@ impl From<MaxError> for Length {
     }
 }
 
-fn metres(length: f32) -> Length {
+/// A length of the world.
+pub(crate) fn metres(length: f32) -> Length {
     Length::Units(as_written(length))
 }
 

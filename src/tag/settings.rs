@@ -49,6 +49,11 @@ pub struct HullwrightSettings {
     /// may fill what no ball of that radius can reach: fewer hulls. For tags that say nothing else
     /// and keep no cavities. `None` for gaps that stay open whatever moves. Default `None`.
     pub probe_radius: Option<f32>,
+    /// How far the triangles of what never moves may be from its mesh, and the mesh from them, in
+    /// metres of the world; positive. Then there are few of them, made in the background, and it is
+    /// verified: see [`simplify_surface`](hullwright::simplify_surface()). For tags that say
+    /// nothing else. `None` for the mesh's own triangles. Default `None`.
+    pub level_bound: Option<f32>,
     /// Whether new worlds of Rapier get a `hullwright_rapier::ContactDispatcher`, without which
     /// small things sink into each other. It concerns all colliders of the world. Set it to `false`
     /// if a world has a dispatcher of its own. Without effect in Avian. Default `true`.
@@ -202,6 +207,7 @@ impl Default for HullwrightSettings {
             exact_static_colliders: true,
             primitives: false,
             probe_radius: None,
+            level_bound: None,
             contact_dispatcher: true,
             scale_delay: DEFAULT_SCALE_DELAY,
             budget: BudgetSettings::default(),

@@ -7,6 +7,7 @@ mod avian_only;
 mod baked;
 #[cfg(feature = "bevy_gltf")]
 mod baked_scenes;
+mod cells;
 mod changes;
 mod children;
 mod contacts;

@@ -299,7 +299,7 @@ fn internal_edges_are_fixed() {
 }
 
 /// A floor of small triangles at height 0, wound one way or the other.
-fn floor(is_turned: bool) -> Mesh {
+pub fn floor(is_turned: bool) -> Mesh {
     const SIDE: u32 = 20;
     let positions = (0..SIDE * SIDE)
         .map(|i| [(i % SIDE) as f32 * 0.5 - 2.0, 0.0, (i / SIDE) as f32 * 0.5 - 5.0]);

@@ -219,6 +219,11 @@ impl Engine for Avian {
         }
     }
 
+    fn has_surface(own: &Item<'_, '_, Surface>) -> bool {
+        let layers = own.layers.filter(|layers| **layers != CollisionLayers::default());
+        has_surface(&SurfaceItem { layers, ..*own })
+    }
+
     fn copy_surface(entity: &mut EntityCommands, to: Entity) {
         copy_surface(entity, to);
     }

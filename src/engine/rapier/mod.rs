@@ -198,6 +198,10 @@ impl Engine for Rapier {
         inherit(own, from, to);
     }
 
+    fn has_surface(own: &Item<'_, '_, Surface>) -> bool {
+        has_surface(own)
+    }
+
     fn copy_surface(entity: &mut EntityCommands, to: Entity) {
         copy_surface(entity, to);
     }

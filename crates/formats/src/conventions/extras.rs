@@ -15,7 +15,7 @@ use super::values::{Complaint, boolean, named};
 const COLLIDER: &str = "collider";
 
 /// The settings that may stand beside it, and what they take.
-const SETTINGS: [(&str, &str); 11] = [
+const SETTINGS: [(&str, &str); 12] = [
     ("max_error", "a positive number, a share of the diagonal, or a length such as \"0.02m\""),
     ("preset", "\"fast\", \"balanced\" or \"fine\""),
     ("max_hulls", "a whole number from 1"),
@@ -23,6 +23,7 @@ const SETTINGS: [(&str, &str); 11] = [
     ("keep_cavities", "true or false"),
     ("openings", "\"auto\", \"keep\" or \"close\""),
     ("probe_radius", "a length such as \"0.1m\""),
+    ("level_bound", "a length such as \"0.02m\", or 0"),
     ("density", "a positive number"),
     ("mass", "a positive number"),
     ("fallback", "\"none\", \"convex_hull\" or \"bounding_box\""),
@@ -94,6 +95,9 @@ pub struct ExtrasTag {
     pub openings: Option<Openings>,
     /// Half the thickness of the thinnest thing that moves, in units of the world; positive.
     pub probe_radius: Option<f32>,
+    /// How far the triangles of what never moves may be from the mesh, in units of the world; 0 for
+    /// those of the mesh.
+    pub level_bound: Option<f32>,
     /// Mass per cubed unit; positive.
     pub density: Option<f32>,
     /// Mass, instead of a density; positive.
@@ -226,6 +230,8 @@ impl ExtrasTag {
             "keep_cavities" => self.keep_cavities = Some(boolean(value)?),
             "openings" => self.openings = Some(parsed(value)?),
             "probe_radius" => self.probe_radius = Some(units(value)?),
+            "level_bound" if value.as_f64() == Some(0.0) => self.level_bound = Some(0.0),
+            "level_bound" => self.level_bound = Some(units(value)?),
             "density" => self.density = Some(positive(value)? as f32),
             "mass" => self.mass = Some(positive(value)? as f32),
             "fallback" => self.fallback = Some(named(value, &FALLBACKS)?),

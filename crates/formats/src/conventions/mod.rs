@@ -8,6 +8,7 @@
 mod extras;
 #[cfg(feature = "extras")]
 mod hulls_record;
+mod levels;
 mod names;
 #[cfg(feature = "extras")]
 mod physics;
@@ -20,6 +21,7 @@ mod values;
 pub use extras::{Body, ExtrasTag, Fallback, read_extras};
 #[cfg(feature = "extras")]
 pub use hulls_record::{HullsRecord, ReadBack, WrittenHull, hull_digest};
+pub use levels::level_cell;
 pub use names::{
     ColliderKind, NameTag, is_coarser_level, level_of_detail, mesh_tag, node_tag, whole_of,
     without_copy_number,
