@@ -1,22 +1,27 @@
 //! Triangles that nothing can touch: those that lie wholly within the solid of another closed
-//! component, as the foot of a chest within a floor.
+//! component, as the foot of a chest within a floor, or against it, as the sides of two tiles.
 //!
 //! A point about which a closed surface winds cannot be reached without passing that surface. So a
 //! triangle is hidden if a closed component winds about one of its points, and if the triangle is
-//! apart from all of that component's triangles. Only components whose triangles face outward, as
+//! apart from all of that component's triangles. A triangle of a solid is touched from outside, so
+//! what counts is its place a little outside of it. Only components whose triangles face outward, as
 //! they were given, are solids: those that face inward are rooms, and what is within a room can be
 //! touched, whatever is around it.
 
 use crate::bvh::Bvh;
 use crate::control::Control;
 use crate::error::Error;
-use crate::geometry::vector::{Vector, centre, larger, smaller};
+use crate::geometry::vector::{Vector, area_normal, centre, larger, smaller};
 use crate::mesh::PreparedMesh;
 use crate::parallel;
 
 /// What is this near to a surface may touch it, as a fraction of the diagonal: twice what welding
 /// moves.
 const TOUCHES: f64 = 2e-6;
+
+/// How far outside of a solid its triangles are touched, as a fraction of the diagonal: what fits
+/// between two solids that are nearer to each other is no thing.
+const OUTSIDE: f64 = 4.0 * TOUCHES;
 
 /// Directions of the rays that have to agree. They are oblique, since sides of many shapes are
 /// along axes, and a ray along a side may pass it by.
@@ -106,7 +111,7 @@ impl Solids<'_> {
         if self.kinds[own] == Kind::Room {
             return false;
         }
-        let corners = self.prepared.mesh.corners(self.prepared.mesh.triangles[triangle as usize]);
+        let corners = self.touched_from(triangle, own);
         let around = self.around(centre(corners), own);
         let is_solid = |&(component, _): &(usize, i32)| self.kinds[component] == Kind::Solid;
         // Within a room, or not known.
@@ -115,6 +120,18 @@ impl Solids<'_> {
         }
         let touched = self.touched(corners);
         around.iter().any(|&(component, turns)| turns > 0 && !touched.contains(&component))
+    }
+
+    /// Where a triangle is touched: a solid's from outside.
+    fn touched_from(&self, triangle: u32, own: usize) -> [Vector; 3] {
+        let mesh = &self.prepared.mesh;
+        let corners @ [a, b, c] = mesh.corners(mesh.triangles[triangle as usize]);
+        if self.kinds[own] != Kind::Solid {
+            return corners;
+        }
+        let normal = area_normal(a, b, c).normalize_or_zero();
+        let outward = if self.is_turned[triangle as usize] { -normal } else { normal };
+        corners.map(|corner| corner + OUTSIDE * outward)
     }
 
     /// The closed components but one that wind about a point, and how often. Where rays do not
@@ -205,6 +222,17 @@ mod tests {
         assert_eq!(count(&[solid.clone(), cuboid([0.2, 0.2, 0.0], [0.4; 3])]), 10 - 8);
         let cavity = turn(cuboid([0.1; 3], [0.9; 3]));
         assert_eq!(count(&[solid, cavity, within]), 0);
+    }
+
+    #[test]
+    fn what_lies_against_another_solid_is_hidden() {
+        let chest = |height: f64| cuboid([0.0, 0.0, height], [1.0, 1.0, height + 1.0]);
+        let floor = cuboid([-9.0, -9.0, -1.0], [9.0, 9.0, 0.0]);
+        assert_eq!(count(&[floor.clone(), chest(0.0)]), 2);
+        assert_eq!(count(&[floor, chest(0.01)]), 0);
+        // Of the higher wall a part of the side can be touched.
+        let wall = cuboid([1.0, -1.0, -1.0], [2.0, 2.0, 2.0]);
+        assert_eq!(count(&[wall, chest(0.0)]), 2);
     }
 
     #[test]
