@@ -5,6 +5,7 @@ pub(super) mod cells;
 pub(super) mod changes;
 pub(super) mod children;
 mod follow;
+mod members;
 mod moved;
 pub(super) mod parts;
 pub(super) mod placement;
@@ -22,15 +23,14 @@ use bevy::prelude::*;
 use hullwright::hulls_format::HullsFile;
 use hullwright_parry::ColliderError;
 
-use self::cells::{
-    Cells, InLevelCell, LevelCell, detect_leaving, drop_clones, finish_members, on_empty, on_leave,
-};
+use self::cells::{InLevelCell, LevelCell};
 use self::changes::{
     LoneScene, detect_assets, detect_moved_parts, detect_scales, detect_tags, drop_far,
     on_collider, on_untag, start_near,
 };
 use self::children::ColliderInChildren;
 use self::follow::follow_scales;
+use self::members::{Cells, detect_leaving, drop_clones, finish_members, on_empty, on_leave};
 use self::parts::ColliderParts;
 use self::placement::{Placements, Stretch, inherit_surface, maps_differ};
 use self::resolve::{compare_marked, resolve};

@@ -14,9 +14,8 @@ use bevy::prelude::*;
 use hullwright_formats::conventions::{is_coarser_level, level_cell};
 use hullwright_parry::ColliderError;
 
-use super::cells::{
-    CellKey, CellPlace, Cells, InLevelCell, LevelCell, OfCell, OutOfCells, SharesCells,
-};
+use super::cells::{CellKey, CellPlace, InLevelCell, LevelCell, OfCell, OutOfCells, SharesCells};
+use super::members::Cells;
 use super::placement::{Placement, Placements};
 use super::waiting::Fallbacks;
 use super::work::{
@@ -386,9 +385,11 @@ impl<E: Engine> Scene<'_, '_, E> {
         let mut baked = None;
         if let Some(FromBakedScene(scene)) = scene {
             let id = scene.id().untyped();
-            // Triangles are taken from there where the mesh has none, or shall not be looked at.
+            let may_have_surfaces = || self.scenes.get(scene).is_none_or(BakedScene::has_surfaces);
+            // The mesh's own triangles are taken from there where it has none.
             let is_needed = match goal {
                 Goal::Hulls(_) => true,
+                Goal::Triangles { bound: Some(_), .. } if may_have_surfaces() => true,
                 Goal::Triangles { .. } => {
                     let mut meshes = parts.iter().filter_map(|part| self.meshes.get(part.mesh));
                     meshes.any(is_for_gpu_only)
@@ -455,13 +456,22 @@ impl<E: Engine> Scene<'_, '_, E> {
     ) -> Resolution {
         let members = cell.entities().iter().filter_map(|member| self.in_cells.get(*member).ok());
         let (entities, parts): (Vec<Entity>, Vec<MeshPart>) =
-            members.flat_map(InLevelCell::parts).cloned().unzip();
+            members.flat_map(|member| &member.parts).cloned().unzip();
         let missing = parts.iter().map(|part| part.mesh).find(|mesh| !self.meshes.contains(*mesh));
+        let mut missing = missing.map(AssetId::untyped);
+        let mut scenes = cell.entities().iter().filter_map(|member| self.tags.get(*member).ok());
+        let baked = scenes.find_map(|member| Some(member.scene?.0.id()));
+        let baked = baked.filter(|id| match self.scenes.get(*id) {
+            Some(scene) => scene.has_surfaces(),
+            None => !self.failed_to_load(id.untyped()),
+        });
+        missing = missing.or(baked.filter(|id| !self.scenes.contains(*id)).map(AssetId::untyped));
+        let baked = baked.map(AssetId::untyped);
         let Placement { map, stretch, .. } = self.placements.placement(entity);
-        let presence = self.presence(entity, missing.map(AssetId::untyped), &map);
+        let presence = self.presence(entity, missing, &map);
         let bound = key.bound.map(f32::from_bits);
         let goal = Goal::Triangles { reason: key.reason, bound };
-        let request = Arc::new(request(parts, goal, None, map, jobs));
+        let request = Arc::new(request(parts, goal, baked, map, jobs));
         let weight = Weight { density: DEFAULT_DENSITY, mass: None };
         let (parts, children, cell) = (entities, None, None);
         let requested = Requested { request, stretch, weight, children, parts, cell };

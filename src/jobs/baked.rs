@@ -9,7 +9,8 @@ use bevy::platform::collections::HashMap;
 use bevy::prelude::*;
 use hullwright::Method;
 use hullwright::hulls_format::{
-    BakedMesh, BakedTriangles, HullScene, HullsFile, HullsFileError, SceneLookup,
+    BakedMesh, BakedTriangles, HullScene, HullsFile, HullsFileError, PlacedMesh, SceneLookup,
+    surface_key,
 };
 
 use super::cache::ColliderGeometry;
@@ -112,6 +113,8 @@ pub struct BakedScene {
     scene: Arc<HullScene>,
     /// Where the meshes are that may be used, by content.
     usable: Arc<HashMap<ContentKey, usize>>,
+    /// Where surfaces are, by what they are made of.
+    surfaces: Arc<HashMap<[u8; 32], Vec<usize>>>,
     settings: BakedSceneSettings,
 }
 
@@ -137,7 +140,12 @@ impl BakedScene {
 
     /// The same with settings.
     pub fn with_settings(scene: HullScene, settings: BakedSceneSettings) -> Self {
-        let mut made = Self { scene: Arc::new(scene), usable: Arc::default(), settings };
+        let mut surfaces: HashMap<[u8; 32], Vec<usize>> = HashMap::default();
+        for (index, surface) in scene.surfaces.iter().enumerate() {
+            surfaces.entry(surface_key(&surface.parts, surface.bound)).or_default().push(index);
+        }
+        let (scene, surfaces) = (Arc::new(scene), Arc::new(surfaces));
+        let mut made = Self { scene, usable: Arc::default(), surfaces, settings };
         let all = made.scene.meshes.iter().enumerate();
         let usable = all.filter(|(_, baked)| made.is_usable(baked)).map(|(index, baked)| {
             let goal = Goal::Hulls(baked.parameters.clone()).hash();
@@ -156,6 +164,25 @@ impl BakedScene {
     pub(super) fn hulls(&self, key: ContentKey) -> Option<HullsFile> {
         let baked = self.scene.meshes.get(*self.usable.get(&key.whole())?)?;
         Some(baked.hulls.clone())
+    }
+
+    pub(crate) fn has_surfaces(&self) -> bool {
+        !self.surfaces.is_empty()
+    }
+
+    /// The surface within a bound of some meshes, in their order.
+    pub(super) fn surface(&self, meshes: &[PlacedMesh], bound: f32) -> Option<MeshData> {
+        let same = self.surfaces.get(&surface_key(meshes, bound))?;
+        let (surface, order) = same.iter().find_map(|index| {
+            let surface = self.scene.surfaces.get(*index)?;
+            Some((surface, surface.order_of(meshes)?))
+        })?;
+        let mut data = MeshData { positions: surface.positions.clone(), ..MeshData::default() };
+        for triangles in order.into_iter().flat_map(|part| surface.triangles_of(part)) {
+            data.triangles.extend(triangles);
+            data.part_ends.push(data.triangles.len() as u32);
+        }
+        Some(data)
     }
 
     /// The place of the mesh with a name; of the only mesh without one.

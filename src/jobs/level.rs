@@ -1,6 +1,9 @@
-//! Few triangles within a bound, of what never moves.
+//! Few triangles within a bound, of what never moves: made, or found in a baked scene.
 
+use bevy::math::Affine3A;
+use hullwright::hulls_format::{MeshHash, PlacedMesh};
 use hullwright::{Control, Error, simplify_surface};
+use sha2::{Digest, Sha256};
 
 use super::request::MeshData;
 use crate::tag::outcomes::DecompositionError;
@@ -32,4 +35,30 @@ pub(super) fn simplified(
     // Each vertex has the place of one of the mesh, which is in single precision.
     let positions = made.mesh.positions.iter().map(|point| point.map(|x| x as f32)).collect();
     Ok(MeshData { positions, triangles, part_ends })
+}
+
+/// A mesh as its asset has it, and where it is in the collider.
+pub(super) struct PlacedData {
+    pub data: MeshData,
+    pub place: Affine3A,
+}
+
+impl PlacedData {
+    /// What a baked scene calls it. O(triangles).
+    pub fn name(&self) -> PlacedMesh {
+        let mesh = MeshHash::of(self.data.view());
+        let place = self.place.to_cols_array_2d();
+        PlacedMesh { mesh, primitives: self.data.part_ends.len() as u32, place }
+    }
+}
+
+/// One number for some meshes in their places.
+pub(super) fn digest(meshes: &[PlacedMesh]) -> MeshHash {
+    let mut hasher = Sha256::new();
+    for PlacedMesh { mesh, primitives, place } in meshes {
+        hasher.update(mesh.as_bytes());
+        hasher.update(primitives.to_le_bytes());
+        place.as_flattened().iter().for_each(|x| hasher.update(x.to_le_bytes()));
+    }
+    MeshHash::from_bytes(hasher.finalize().into())
 }

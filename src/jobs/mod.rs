@@ -36,11 +36,12 @@ use hullwright::{Control, MethodReport};
 use self::baked::{BakedDecomposition, BakedScene, FromBakedScene, HullSceneLoader};
 use self::cache::{BuiltCollider, ColliderGeometry, GeometryCache};
 use self::label::{Labels, Outlines, is_for_gpu_only, note_outlines};
+use self::level::PlacedData;
 use self::pool::{Pool, decomposition_threads};
 use self::progress::SharedProgress;
 #[cfg(feature = "bake")]
 use self::recipe::{HullRecipeLoader, HullRecipeProcessor};
-use self::request::{ColliderRequest, ContentKey, InputId, MapKey, read_parts};
+use self::request::{ColliderRequest, ContentKey, InputId, MapKey, read_parts, read_placed};
 use self::task::{DecompositionTask, TaskInput, TaskOutput, TaskResult, contain_panics};
 use super::tag::outcomes::{
     DecompositionCounters, DecompositionError, DecompositionStatus, HullSource, Outcomes,
@@ -157,6 +158,8 @@ pub(super) struct Jobs {
     last_edition: u64,
     /// Whether the log says that a debug build is slow.
     is_hint_logged: bool,
+    /// Whether the log says that surfaces are not in their baked scene.
+    is_lost_surface_logged: bool,
     cache: GeometryCache,
     pool: Pool,
 }
@@ -406,6 +409,10 @@ impl Jobs {
                 let goal = job.entities.first().and_then(|(_, request)| request.goal.as_ref());
                 let has_probe = goal.is_some_and(Goal::has_probe);
                 count_decomposition(&mut outcomes.counters, &built, has_probe);
+                let is_simplified = goal.is_some_and(|goal| goal.bound_of_triangles() > 0.0);
+                if is_simplified && built.source == HullSource::Decomposed {
+                    outcomes.counters.simplified += 1;
+                }
                 let time = job.since.elapsed();
                 if self.is_hint_due(built.source, time) {
                     log::warn!("a convex decomposition took {time:.1?}; {DEBUG_BUILD}");
@@ -413,6 +420,16 @@ impl Jobs {
                 self.complete(job, &built);
             }
             Ok(TaskOutput::Wait(key)) => {
+                let goal = job.entities.first().and_then(|(_, request)| request.goal.as_ref());
+                if goal.is_some_and(|goal| goal.why_triangles().is_some())
+                    && !std::mem::replace(&mut self.is_lost_surface_logged, true)
+                {
+                    log::warn!(
+                        "what never moves is not in the baked scene as it is here, and made now: \
+                         bake it with the same `--level-bound` and `--cell-size`; so for all \
+                         others of which nothing is said"
+                    );
+                }
                 self.known.insert(job.input, Ok(key));
                 for (entity, request) in job.entities {
                     outcomes.show(entity, DecompositionStatus::Waiting(WaitReason::InQueue));
@@ -749,6 +766,17 @@ impl Sources<'_, '_> {
                 Err(why) => why_not_baked = Some(why),
             }
         }
+        let goal = request.goal.as_ref();
+        if let (Some(goal @ Goal::Triangles { .. }), Some((id, scene))) = (goal, &baked)
+            && scene.has_surfaces()
+            && !self.are_for_gpu_only(request)
+        {
+            let meshes = read_placed(&request.parts, &self.meshes)?.into_iter();
+            let meshes = meshes
+                .map(|(data, to_input)| PlacedData { data, place: request.map_before * to_input });
+            let (meshes, goal, baked) = (meshes.collect(), goal.clone(), (*id, scene.clone()));
+            return Ok(TaskInput::Surface { meshes, goal, baked });
+        }
         let data = read_parts(&request.parts, &request.map_before, &self.meshes);
         let data = data.map_err(|error| match (&error, why_not_baked) {
             (DecompositionError::RenderWorldOnly, Some(why)) => {
@@ -759,7 +787,7 @@ impl Sources<'_, '_> {
         // Only baked hulls have no goal, and they are found above.
         let goal = request.goal.clone().ok_or(DecompositionError::NotLoaded)?;
         // Triangles that are there are as good as those that are baked.
-        if goal.is_quick() {
+        if goal.parameters().is_none() {
             baked = None;
         }
         Ok(TaskInput::Mesh { data, goal, baked })

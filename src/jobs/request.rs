@@ -249,6 +249,25 @@ pub(crate) fn read_parts(
     Ok(data)
 }
 
+/// The meshes of parts as they are, those in one place as one, and their places. O(size).
+pub(super) fn read_placed(
+    parts: &[MeshPart],
+    meshes: &Assets<Mesh>,
+) -> Result<Vec<(MeshData, Affine3A)>, DecompositionError> {
+    let in_one_place = parts.chunk_by(|a, b| a.to_input == b.to_input);
+    let read = |parts: &[MeshPart]| {
+        let first = parts.first().ok_or(DecompositionError::NotLoaded)?;
+        let mut data = MeshData::default();
+        for part in parts {
+            let mesh = meshes.get(part.mesh).ok_or(DecompositionError::NotLoaded)?;
+            append(&mut data, mesh, &Affine3A::IDENTITY)?;
+            data.part_ends.push(u32::try_from(data.triangles.len()).unwrap_or(u32::MAX));
+        }
+        Ok((data, first.to_input))
+    };
+    in_one_place.map(read).collect()
+}
+
 /// Adds the triangles of a mesh, moved by `map`. O(size).
 fn append(data: &mut MeshData, mesh: &Mesh, map: &Affine3A) -> Result<(), DecompositionError> {
     let positions = match mesh.try_attribute(Mesh::ATTRIBUTE_POSITION) {

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use bevy::asset::UntypedAssetId;
 use bevy::math::{Affine3A, DMat3, DVec3, Vec3A};
 use bevy::tasks::futures_lite::future::yield_now;
-use hullwright::hulls_format::HullsFile;
+use hullwright::hulls_format::{HullsFile, PlacedMesh};
 use hullwright::{
     Control, Decomposer, Error, Hull, MassProperties, MeshView, Method, MethodReport,
     mass_properties_with, part_shares,
@@ -18,7 +18,7 @@ use hullwright_parry::parry3d::shape::{SharedShape, TriMeshFlags};
 use super::baked::BakedScene;
 use super::cache::{BuiltCollider, ColliderGeometry, GeometryCache, WorkClaim};
 use super::elsewhere::{Answer, Lookup};
-use super::level::simplified;
+use super::level::{PlacedData, digest, simplified};
 use super::platform::{DiskCache, Elsewhere, Hashing, Runner, look};
 use super::progress::SharedProgress;
 use super::request::{ContentKey, MapKey, MeshData};
@@ -36,6 +36,9 @@ pub(super) enum TaskInput {
         /// there.
         baked: Option<(UntypedAssetId, BakedScene)>,
     },
+    /// Meshes of what never moves, whose surface may be found in a baked scene: otherwise it waits
+    /// again.
+    Surface { meshes: Vec<PlacedData>, goal: Goal, baked: (UntypedAssetId, BakedScene) },
     /// Known geometry, of which another shape is wanted.
     Geometry { key: ContentKey, geometry: Arc<ColliderGeometry>, source: HullSource },
 }
@@ -132,6 +135,21 @@ impl DecompositionTask {
         contain_panics(|| match self.input.take() {
             Some(TaskInput::Geometry { key, geometry, source }) => {
                 self.build(key, geometry, source)
+            }
+            Some(TaskInput::Surface { meshes, goal, baked: (id, scene) }) => {
+                let meshes: Vec<PlacedMesh> = meshes.iter().map(PlacedData::name).collect();
+                let key = ContentKey::of_mesh(digest(&meshes), &goal);
+                let own = key.in_scene(id);
+                if let Some(geometry) = self.cache.geometry(own) {
+                    return self.build(own, geometry, HullSource::Baked);
+                }
+                match scene.surface(&meshes, goal.bound_of_triangles()) {
+                    Some(data) => {
+                        let geometry = ColliderGeometry::Triangles(data);
+                        self.build(own, geometry.into(), HullSource::Baked)
+                    }
+                    None => Ok(Some(TaskOutput::Wait(key))),
+                }
             }
             Some(TaskInput::Mesh { data, goal, baked }) => match self.hashing.hash(&data) {
                 Some(hash) => {

@@ -138,6 +138,8 @@ pub struct DecompositionCounters {
     pub convex: usize,
     /// Entities with triangles, of what never moves or on request.
     pub triangle_meshes: usize,
+    /// Surfaces that were simplified so far, for what never moves.
+    pub simplified: usize,
     /// Colliders that were made for the cells of scenes, each for all that share it.
     pub level_cells: usize,
     /// Entities skipped because they had a collider.

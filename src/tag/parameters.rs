@@ -90,6 +90,14 @@ impl Goal {
         }
     }
 
+    /// How far triangles may be from the mesh, in metres of the world; 0 for its own, and for hulls.
+    pub(crate) fn bound_of_triangles(&self) -> f32 {
+        match self {
+            Self::Triangles { bound, .. } => bound.unwrap_or(0.0),
+            Self::Hulls(_) | Self::Primitive(_) => 0.0,
+        }
+    }
+
     /// Whether it takes no more than a look at the mesh.
     pub(crate) fn is_quick(&self) -> bool {
         matches!(self, Self::Triangles { bound: None, .. } | Self::Primitive(_))

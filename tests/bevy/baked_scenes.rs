@@ -11,6 +11,7 @@ use bevy_hullwright::prelude::*;
 use hullwright::hulls_format::HullScene;
 use hullwright::{Control, Length, Parameters};
 use hullwright_formats::bake::{BakeOptions, bake_jobs, bake_triangles};
+use hullwright_formats::bake_surfaces::surface_jobs;
 use hullwright_formats::read_scene;
 
 use crate::app::*;
@@ -357,4 +358,76 @@ fn is_refused_by_bevy(app: &mut App) -> bool {
     let server = app.world().resource::<AssetServer>();
     let mut states = roots.iter(app.world()).filter_map(|root| server.get_load_state(&root.0));
     states.any(|state| matches!(state, bevy::asset::LoadState::Failed(_)))
+}
+
+/// A node with the `L` at a place, turned and scaled.
+fn l_node(name: &str, place: [f32; 3], turn: f32, scale: [f32; 3]) -> serde_json::Value {
+    let turn = Quat::from_rotation_y(turn).to_array();
+    serde_json::json!({
+        "name": name, "mesh": 0, "translation": place, "rotation": turn, "scale": scale,
+    })
+}
+
+#[test]
+fn a_level_starts_from_its_baked_file_without_any_work_on_what_never_moves() {
+    // Two cells, one thing that is larger, and below a node one that is mirrored.
+    let large = l_node("large", [0.0, 0.0, 0.0], 0.3, [30.0, 1.0, 30.0]);
+    let mut nodes = vec![large];
+    for i in 0..6_u8 {
+        let x = 3.0 * f32::from(i);
+        let name = format!("{i}");
+        nodes.push(l_node(&name, [x, 1.0, 2.0], 0.7 * x, [1.0, 1.5, 0.5 + 0.2 * x / 3.0]));
+    }
+    let mut parent = l_node("parent", [5.0, 1.0, 6.0], 1.0, [1.0; 3]);
+    parent["children"] = serde_json::json!([nodes.len() + 1]);
+    nodes.push(parent);
+    nodes.push(l_node("below", [0.3, 0.2, 0.1], 2.0, [-1.0, 1.0, 1.0]));
+    let roots = (0..nodes.len() - 1).collect();
+    let file = crate::artists::file_of(nodes, roots);
+
+    let options = BakeOptions::default().with_surfaces(0.02, Some(10.0));
+    let place = tempfile::tempdir().unwrap();
+    let path = place.path().join("it.gltf");
+    std::fs::write(&path, &file).unwrap();
+    let meshes = read_scene(&path).unwrap();
+    let jobs = surface_jobs(&meshes, &options);
+    let surfaces = jobs.iter().map(|job| job.run(&Control::new()).unwrap()).collect();
+    let baked = HullScene::new("it", Vec::new()).with_surfaces(surfaces);
+    assert_eq!(baked.surfaces.len(), 3);
+    std::fs::write(place.path().join("it.hullscene"), baked.to_bytes().unwrap()).unwrap();
+
+    let mut found = Vec::new();
+    for is_baked in [true, false] {
+        let mut app = app_with_gltf(place.path().display().to_string(), |_| {});
+        app.world_mut().resource_mut::<HullwrightSettings>().level_bound = Some(0.02);
+        let scene = app.load(GltfAssetLabel::Scene(0).from_asset("it.gltf"));
+        let mut hierarchy = ConvexDecompositionHierarchy::default().with_cells(10.0);
+        if is_baked {
+            hierarchy = hierarchy.with_baked(app.load("it.hullscene"));
+        }
+        let root = app.put((WorldAssetRoot(scene), FIXED, hierarchy));
+        update_until(&mut app, |app| app.get::<HierarchyStatus>(root).unwrap().is_finished());
+        update_times(&mut app, 3);
+        let counters = counters(&app);
+        assert_eq!((counters.simplified, counters.level_cells), (if is_baked { 0 } else { 3 }, 2));
+        // Each triangle leads to the node that it is of, whichever way it came.
+        let mut hits = Vec::new();
+        for i in 0..40_u8 {
+            let from = Vec3::new(0.45 * f32::from(i), 9.0, 2.2);
+            let hit = below(&mut app, from).and_then(|(collider, subshape)| {
+                app.get::<ColliderParts>(collider)?.part(subshape)
+            });
+            let node = hit.map(|part| app.get::<ChildOf>(part).unwrap().parent());
+            hits.push(node.map(|node| app.get::<Name>(node).unwrap().to_string()));
+        }
+        let world = app.world_mut();
+        let mut all = world.query::<&Collider>();
+        let all = all.iter(world);
+        let mut triangles: Vec<usize> =
+            all.map(|collider| shape(collider).as_trimesh().unwrap().indices().len()).collect();
+        triangles.sort_unstable();
+        found.push((hits, triangles));
+    }
+    assert_eq!(found[0], found[1]);
+    assert!(found[0].0.iter().flatten().count() > 20);
 }

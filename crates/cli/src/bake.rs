@@ -9,6 +9,7 @@ use hullwright_cli::terminal::{Failure, count, print, print_error, print_warning
 use hullwright_formats::bake::{
     BakeJob, BakeOptions, bake_jobs, bake_triangles, extras_complaints,
 };
+use hullwright_formats::bake_surfaces::{SurfaceJob, surface_jobs};
 use hullwright_formats::gltf_hulls::{EditedHulls, FoundHulls, HullForm, HullsInFile, MeshHulls};
 use hullwright_formats::{Format, SceneMesh, read_scene, write_file};
 
@@ -65,6 +66,18 @@ pub struct Arguments {
     #[arg(long, conflicts_with = "per_mesh")]
     triangles: bool,
 
+    /// Also few triangles of what never moves, within this many units of the world of its mesh, as
+    /// the plugin's `level_bound`
+    #[arg(long, value_name = "LENGTH", value_parser = parse_units, allow_hyphen_values = true,
+        conflicts_with_all = ["per_mesh", "into"])]
+    level_bound: Option<f32>,
+
+    /// What never moves and fits into a cube of this side is one surface with the others there, as
+    /// the plugin's `cell_size`
+    #[arg(long, value_name = "LENGTH", value_parser = parse_units, allow_hyphen_values = true,
+        conflicts_with_all = ["per_mesh", "into"])]
+    cell_size: Option<f32>,
+
     /// Mass per cubed unit, with --per-mesh; in a scene the plugin's tags set it. Default: 1
     #[arg(long, value_name = "DENSITY", requires = "per_mesh", allow_negative_numbers = true)]
     density: Option<f64>,
@@ -74,6 +87,13 @@ pub struct Arguments {
 
     #[command(flatten)]
     parameters: ParameterArguments,
+}
+
+/// A positive length in the scene's unit, `0.02m` or `0.02`.
+fn parse_units(text: &str) -> Result<f32, String> {
+    let number = text.strip_suffix('m').unwrap_or(text).parse().ok();
+    let number = number.filter(|x: &f32| x.is_finite() && *x > 0.0);
+    number.ok_or_else(|| "a length is a positive number, such as 0.02m".into())
 }
 
 // With a line for each value all of the help would be twice as long.
@@ -186,7 +206,14 @@ struct Scene<'a> {
     input: &'a InputFile,
     jobs: Vec<BakeJob>,
     triangles: Vec<BakedTriangles>,
+    surfaces: Vec<SurfaceJob>,
     output: PathBuf,
+}
+
+impl Scene<'_> {
+    fn parts(&self) -> usize {
+        self.jobs.len() + self.surfaces.len()
+    }
 }
 
 /// Each scene into a `.hullscene` file.
@@ -198,11 +225,12 @@ fn bake_scenes(
 ) -> Result<(), Failure> {
     let options = BakeOptions::new(method.clone())
         .with_tagged_only(arguments.tagged_only)
-        .with_triangles(arguments.triangles);
+        .with_triangles(arguments.triangles)
+        .with_surfaces(arguments.level_bound.unwrap_or_default(), arguments.cell_size);
     let scenes = scenes(arguments, inputs, &options, results)?;
     let pool = arguments.threads.pool()?;
     let bar = LateBar::start();
-    let parts = scenes.iter().map(|scene| scene.jobs.len()).sum();
+    let parts = scenes.iter().map(Scene::parts).sum();
     let mut done = 0;
     for scene in &scenes {
         let control = |index: usize| {
@@ -210,7 +238,7 @@ fn bake_scenes(
             control.with_parallel(arguments.threads.is_parallel())
         };
         pool.install(|| bake_scene(scene, control, results));
-        done += scene.jobs.len();
+        done += scene.parts();
     }
     bar.finish();
     Ok(())
@@ -239,7 +267,9 @@ fn scenes<'a>(
                 print_warning(&format!("{}, {complaint}", input.path.display()));
             }
             let triangles = bake_triangles(&meshes, options);
-            scenes.push(Scene { input, jobs: bake_jobs(meshes, options), triangles, output });
+            let surfaces = surface_jobs(&meshes, options);
+            let jobs = bake_jobs(meshes, options);
+            scenes.push(Scene { input, jobs, triangles, surfaces, output });
         }
     }
     Ok(scenes)
@@ -260,7 +290,7 @@ fn with_triangles(
 }
 
 fn bake_scene(scene: &Scene<'_>, control: impl Fn(usize) -> Control, results: &mut Results) {
-    let Scene { input, jobs, triangles, output } = scene;
+    let Scene { input, jobs, triangles, surfaces, output } = scene;
     // One that can't be read is replaced.
     let earlier = HullScene::read(output).ok();
     let mut meshes = Vec::new();
@@ -285,8 +315,14 @@ fn bake_scene(scene: &Scene<'_>, control: impl Fn(usize) -> Control, results: &m
         });
         meshes.extend(results.keep(baked));
     }
+    let mut made = Vec::new();
+    for (index, job) in surfaces.iter().enumerate() {
+        let surface = job.run(&control(jobs.len() + index));
+        let surface = surface.map_err(|error| format!("{}: {error}", input.path.display()));
+        made.extend(results.keep(surface));
+    }
     let name = input.path.file_stem().unwrap_or_default().to_string_lossy();
-    let baked = HullScene::new(name, meshes).with_triangles(triangles.clone());
+    let baked = HullScene::new(name, meshes).with_triangles(triangles.clone()).with_surfaces(made);
     let written = make_directory(output)
         .and_then(|()| baked.to_bytes().map_err(|error| error.to_string()))
         .and_then(|bytes| write_file(output, &bytes).map_err(|error| error.to_string()));
@@ -313,8 +349,17 @@ fn wrote_scene(scene: &Scene<'_>, baked: &HullScene, kept: usize) -> String {
         0 => String::new(),
         some => format!(", {}", count(some, "triangle", "triangles")),
     };
+    let surfaces = match baked.surfaces.len() {
+        0 => String::new(),
+        some => {
+            let before: usize = scene.surfaces.iter().map(|job| job.mesh.triangles.len()).sum();
+            let after: usize = baked.surfaces.iter().map(|of| of.triangles.len()).sum();
+            let some = count(some, "surface", "surfaces");
+            format!(", {some} of {after} instead of {before} triangles")
+        }
+    };
     format!(
-        "wrote {}: {}{as_before}, {}, {}{triangles}",
+        "wrote {}: {}{as_before}, {}, {}{triangles}{surfaces}",
         scene.output.display(),
         count(baked.meshes.len(), "mesh", "meshes"),
         count(hulls, "hull", "hulls"),

@@ -45,6 +45,12 @@ pub struct BakeOptions {
     /// Whether meshes are baked too whose hulls their file holds, as
     /// [`HullsInFile`](crate::gltf_hulls::HullsInFile) writes them. Default false.
     pub written: bool,
+    /// How far the triangles of what never moves may be from its mesh, in units of the world, where
+    /// the artist says nothing of it; 0 for the mesh's own. Default 0.
+    pub level_bound: f32,
+    /// The side of a cell, in units of the world: what never moves and fits into one is baked with
+    /// the others there. Default `None`.
+    pub cell_size: Option<f32>,
 }
 
 impl Default for BakeOptions {
@@ -55,6 +61,8 @@ impl Default for BakeOptions {
             triangles: false,
             follows_artists: true,
             written: false,
+            level_bound: 0.0,
+            cell_size: None,
         }
     }
 }
@@ -76,6 +84,13 @@ impl BakeOptions {
     #[must_use]
     pub fn with_written(mut self, written: bool) -> Self {
         self.written = written;
+        self
+    }
+
+    /// The same with a bound and with cells for [what never moves](crate::bake_surfaces).
+    #[must_use]
+    pub fn with_surfaces(mut self, level_bound: f32, cell_size: Option<f32>) -> Self {
+        (self.level_bound, self.cell_size) = (level_bound, cell_size);
         self
     }
 
@@ -251,7 +266,7 @@ impl BakeOptions {
     }
 
     /// Whether a node's mesh gets its triangles where nothing moves it, or always.
-    fn may_be_static(
+    pub(crate) fn may_be_static(
         &self,
         mesh: &SceneMesh,
         node: &SceneNode,
@@ -277,14 +292,14 @@ impl BakeOptions {
 }
 
 /// How an artist tags a node's mesh.
-enum ArtistTag<'a> {
+pub(crate) enum ArtistTag<'a> {
     Extras(ExtrasTag),
     Name(NameTag<'a>),
 }
 
 /// By extras, those of the node first, or else by name. [`extras_complaints`] has what is wrong in
 /// them.
-fn artist_tag<'a>(mesh: &'a SceneMesh, node: &'a SceneNode) -> Option<ArtistTag<'a>> {
+pub(crate) fn artist_tag<'a>(mesh: &'a SceneMesh, node: &'a SceneNode) -> Option<ArtistTag<'a>> {
     let mut extras = [&node.extras, &mesh.extras].into_iter().flatten();
     let by_extras = extras.find_map(|text| read_extras(text).0);
     let by_name = || node_tag(&node.name).or_else(|| mesh_tag(&mesh.name));
@@ -301,7 +316,7 @@ fn is_left_out(mesh: &SceneMesh, node: &SceneNode, with_pieces: &HashSet<String>
 }
 
 /// Meshes whose pieces the artist made.
-fn meshes_with_pieces(meshes: &[SceneMesh]) -> HashSet<String> {
+pub(crate) fn meshes_with_pieces(meshes: &[SceneMesh]) -> HashSet<String> {
     let names = || {
         meshes.iter().flat_map(|mesh| {
             let of_nodes = mesh.nodes.iter().map(|node| node.name.as_str());

@@ -58,6 +58,7 @@ pub(super) fn read_scene(bytes: &[u8], beside: Beside<'_>) -> Result<Vec<SceneMe
         let with_hulls: BTreeSet<usize> =
             groups.list.iter().filter_map(|group| group.parent).collect();
         let nodes_of = nodes_of_meshes(scene.document);
+        let transforms = global_transforms(&scene.document.nodes);
         for (index, mut nodes) in nodes_of.into_iter().enumerate() {
             // Hulls of another mesh are none of their own.
             let is_shown = !nodes.is_empty();
@@ -75,6 +76,7 @@ pub(super) fn read_scene(bytes: &[u8], beside: Beside<'_>) -> Result<Vec<SceneMe
                 let scene_node = |(index, node)| SceneNode {
                     index: Some(index as u32),
                     has_hulls: with_hulls.contains(&index),
+                    transform: transforms.get(index).copied().flatten().map(columns),
                     ..scene_node(node)
                 };
                 let nodes = nodes.into_iter().map(scene_node).collect();
@@ -691,6 +693,11 @@ fn mesh_name<'a>(mesh: &'a Json<'_>, index: usize) -> Cow<'a, str> {
 fn material<'a>(document: &'a Document<'a>, primitive: &Json<'_>) -> Option<&'a Json<'a>> {
     let index = optional_number(primitive, "material").ok().flatten()?;
     entries(&document.materials).get(index)
+}
+
+fn columns(transform: DAffine3) -> [[f64; 3]; 4] {
+    let DAffine3 { matrix3, translation } = transform;
+    [matrix3.x_axis, matrix3.y_axis, matrix3.z_axis, translation].map(Into::into)
 }
 
 fn scene_node(node: &Json<'_>) -> SceneNode {

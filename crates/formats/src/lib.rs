@@ -21,6 +21,7 @@
 //! | meshes | OBJ or GLB, a node per mesh | [`write_meshes`] |
 //! | bytes | a file, all or nothing | [`write_file`] |
 //! | a scene | the hulls of all its meshes in one file | [`bake`] |
+//! | a scene | few triangles of what never moves | [`bake_surfaces`] |
 //! | a glTF file | the hulls of its meshes in the file itself | [`gltf_hulls`] |
 //! | names and extras of a glTF file | the colliders that they stand for | [`conventions`] |
 //!
@@ -38,6 +39,8 @@
 mod atomic_write;
 #[cfg(feature = "meshes")]
 pub mod bake;
+#[cfg(feature = "meshes")]
+pub mod bake_surfaces;
 pub mod conventions;
 #[cfg(feature = "meshes")]
 mod gltf;

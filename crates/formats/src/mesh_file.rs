@@ -287,7 +287,7 @@ pub struct SceneMesh {
 
 /// A node that shows a mesh.
 #[non_exhaustive]
-#[derive(Debug, Clone, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct SceneNode {
     /// Its name; may be empty.
     pub name: String,
@@ -298,4 +298,7 @@ pub struct SceneNode {
     /// Whether the file holds hulls of its mesh, as
     /// [`HullsInFile`](crate::gltf_hulls::HullsInFile) writes them.
     pub has_hulls: bool,
+    /// Where it is in its scene: the columns of a linear map, then a translation. `None` where it
+    /// is in no tree of nodes, or the file has none.
+    pub transform: Option<[[f64; 3]; 4]>,
 }

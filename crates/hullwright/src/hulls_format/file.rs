@@ -15,9 +15,10 @@ pub const FORMAT_VERSION: u32 = 2;
 
 const WITHOUT_PARTS: u32 = 1;
 
-/// The same of `.hullscene` files, of which those without parts are written in version 2.
+/// The same of `.hullscene` files, of which those without surfaces are written in version 3, and
+/// those without parts, too, in version 2.
 #[cfg(feature = "scene")]
-pub const SCENE_FORMAT_VERSION: u32 = 3;
+pub const SCENE_FORMAT_VERSION: u32 = 4;
 
 const MAGIC: [u8; 8] = *b"\x89HULLS\r\n";
 
@@ -396,6 +397,18 @@ pub(super) fn count(bytes: &mut Vec<u8>, count: usize) -> Result<(), HullsFileEr
     Ok(())
 }
 
+#[cfg(feature = "scene")]
+pub(super) fn numbers(bytes: &mut Vec<u8>, numbers: &[u32]) -> Result<(), HullsFileError> {
+    count(bytes, numbers.len())?;
+    bytes.extend(numbers.iter().flat_map(|number| number.to_le_bytes()));
+    Ok(())
+}
+
+#[cfg(feature = "scene")]
+pub(super) fn points(bytes: &mut Vec<u8>, points: &[[f32; 3]]) {
+    bytes.extend(points.as_flattened().iter().flat_map(|x| x.to_le_bytes()));
+}
+
 fn optional(bytes: &mut Vec<u8>, value: Option<f64>) {
     bytes.push(value.is_some().into());
     value.into_iter().for_each(|value| number(bytes, value));
@@ -452,6 +465,12 @@ pub(super) fn open(bytes: &[u8], magic: [u8; 8], newest: u32) -> Read<([u32; 2],
 /// An error for a value that means nothing.
 pub(super) fn valid(is_valid: bool, what: &'static str) -> Read<()> {
     if is_valid { Ok(()) } else { Err(HullsFileError::Invalid(what)) }
+}
+
+#[cfg(feature = "scene")]
+pub(super) fn read_numbers(reader: &mut Reader<'_>) -> Read<Vec<u32>> {
+    let numbers = reader.count(size_of::<u32>())?;
+    (0..numbers).map(|_| reader.u32()).collect()
 }
 
 /// The rest of what is read.

@@ -48,21 +48,33 @@
 //! | since version 2 number of meshes with triangles | `u32` |
 //! | per such mesh: indices of glTF meshes, as above; number of points, points of three `f32`; number of corners, corners (indices of points), three in succession a triangle | `u32` each |
 //!
-//! It has version 3 where one of its `.hulls` files has version 2, and else version 2. It has a
+//! | since version 4 number of surfaces | `u32` |
+//! | per surface: bound `f32`; number of parts; per part hash of the mesh, 32 bytes, number of primitives, columns of its place and translation, four points of three `f32`; points and corners, as above; number of ends, ends | `u32` each |
+//!
+//! It has version 4 where it has surfaces, else version 3 where one of its `.hulls` files has
+//! version 2, and else version 2. It has a
 //! suffix of its own since engines choose the type of an asset by it.
 //!
 //! Reading promises: no panic on any bytes, no allocation that the file's size does not justify,
 //! and nothing out of range in what is returned: indices name points, numbers are finite.
 
 mod file;
+#[cfg(feature = "scene")]
+mod mesh_hash;
 mod parts;
 #[cfg(feature = "scene")]
 mod scene;
+#[cfg(feature = "scene")]
+mod surfaces;
 
 #[cfg(feature = "scene")]
 pub use file::SCENE_FORMAT_VERSION;
 pub(crate) use file::without_sources;
 pub use file::{FORMAT_VERSION, HullsFile, HullsFileError, VerifiedErrors};
+#[cfg(feature = "scene")]
+pub use mesh_hash::MeshHash;
 pub use parts::MeshPart;
 #[cfg(feature = "scene")]
-pub use scene::{BakedMesh, BakedTriangles, HullScene, MeshHash, SceneLookup};
+pub use scene::{BakedMesh, BakedTriangles, HullScene, SceneLookup};
+#[cfg(feature = "scene")]
+pub use surfaces::{BakedSurface, PlacedMesh, surface_key};

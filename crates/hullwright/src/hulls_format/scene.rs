@@ -1,116 +1,24 @@
 //! `.hullscene`: the hulls of all meshes of a scene in one file, each mesh found by its content.
 
 use std::collections::HashMap;
-use std::fmt;
 use std::path::Path;
-use std::str::FromStr;
-
-use sha2::{Digest, Sha256};
 
 use super::file::{
-    HullsFile, HullsFileError, Reader, SCENE_FORMAT_VERSION, SCENE_MAGIC, begin, count, open,
-    read_bytes, seal, text, valid,
+    HullsFile, HullsFileError, Reader, SCENE_FORMAT_VERSION, SCENE_MAGIC, begin, count, numbers,
+    open, points, read_bytes, read_numbers, seal, text, valid,
 };
+use super::mesh_hash::MeshHash;
+use super::surfaces::{BakedSurface, LEAST_SURFACE};
 use crate::decomposition::ALGORITHM_VERSION;
 use crate::geometry::MeshView;
 use crate::method::Method;
-use crate::parameters::ParseError;
 
 /// Version 3 is as this one, but what it holds of a mesh may say what its hulls are made of: a
 /// library that can't read that should say so of the whole file.
 const WITHOUT_PARTS: u32 = 2;
 
-/// Hash of the corners of a mesh's triangles, in single precision, in the file's order.
-///
-/// It does not depend on how vertices are shared, numbered or left over, nor on the corner that a
-/// triangle begins with: readers of files differ in that, and a decomposition does not.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub struct MeshHash([u8; 32]);
-
-/// Hashes of other things never equal these.
-const CONTEXT: &str = "hullwright 2026-11 corners of triangles in f32";
-
-/// Triangles that are hashed at once.
-const TRIANGLES_AT_ONCE: usize = 256;
-
-/// Of a triangle.
-const BYTES: usize = 3 * 3 * size_of::<f32>();
-
-impl MeshHash {
-    /// Hashes a mesh. O(triangles).
-    ///
-    /// ```
-    /// use hullwright::{MeshView, hulls_format::MeshHash};
-    ///
-    /// let positions = [[0.0_f32, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [9.0, 9.0, 9.0]];
-    /// let hash = MeshHash::of(MeshView::new(&positions, &[[0, 1, 2]]));
-    /// assert_eq!(hash, MeshHash::of(MeshView::new(&positions[..3], &[[1, 2, 0]])));
-    /// assert_ne!(hash, MeshHash::of(MeshView::new(&positions[..3], &[[1, 0, 2]])));
-    /// ```
-    pub fn of<'a>(mesh: impl Into<MeshView<'a>>) -> Self {
-        let mut hasher = Sha256::new();
-        give_bytes(mesh.into(), |bytes| hasher.update(bytes));
-        Self(hasher.finalize().into())
-    }
-
-    /// What is hashed by SHA-256. O(triangles).
-    pub fn message<'a>(mesh: impl Into<MeshView<'a>>) -> Vec<u8> {
-        let mesh = mesh.into();
-        let mut message = Vec::with_capacity(CONTEXT.len() + BYTES * mesh.triangles().len());
-        give_bytes(mesh, |bytes| message.extend(bytes));
-        message
-    }
-
-    /// From the bytes of a hash.
-    pub const fn from_bytes(bytes: [u8; 32]) -> Self {
-        Self(bytes)
-    }
-
-    /// The bytes of the hash.
-    pub const fn as_bytes(&self) -> &[u8; 32] {
-        &self.0
-    }
-}
-
-/// Gives the bytes of a mesh that are hashed, some triangles at a time.
-fn give_bytes(mesh: MeshView<'_>, mut take: impl FnMut(&[u8])) {
-    take(CONTEXT.as_bytes());
-    let mut bytes = Vec::with_capacity(BYTES * TRIANGLES_AT_ONCE);
-    for triangles in mesh.triangles().chunks(TRIANGLES_AT_ONCE) {
-        bytes.clear();
-        for triangle in triangles {
-            // The negative zero is the same place.
-            let coordinate = |x: f64| (x as f32 + 0.0).to_le_bytes();
-            let mut corners = triangle.map(|v| mesh.at(v).to_array().map(coordinate));
-            // Beginning with the least corner, wound as before.
-            let least = (0..3).min_by_key(|&index| corners[index]).unwrap_or_default();
-            corners.rotate_left(least);
-            bytes.extend(corners.as_flattened().as_flattened());
-        }
-        take(&bytes);
-    }
-}
-
-/// In hexadecimal digits.
-impl fmt::Display for MeshHash {
-    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.0.iter().try_for_each(|byte| write!(formatter, "{byte:02x}"))
-    }
-}
-
-impl FromStr for MeshHash {
-    type Err = ParseError;
-
-    /// Reads what [`Display`](fmt::Display) writes, in digits of either case.
-    fn from_str(text: &str) -> Result<Self, ParseError> {
-        let digit = |c: u8| (c as char).to_digit(16).map(|digit| digit as u8);
-        let (pairs, rest) = text.as_bytes().as_chunks::<2>();
-        let bytes: Option<Vec<u8>> =
-            pairs.iter().map(|[high, low]| Some(digit(*high)? << 4 | digit(*low)?)).collect();
-        let bytes = bytes.filter(|_| rest.is_empty()).and_then(|bytes| bytes.try_into().ok());
-        bytes.map(Self).ok_or_else(|| ParseError::new(text, "64 hexadecimal digits"))
-    }
-}
+/// The newest version without surfaces.
+const WITHOUT_SURFACES: u32 = 3;
 
 /// The hulls of all meshes of a scene.
 ///
@@ -145,6 +53,8 @@ pub struct HullScene {
     pub meshes: Vec<BakedMesh>,
     /// The triangles of meshes, for what never moves; none in a file of version 1.
     pub triangles: Vec<BakedTriangles>,
+    /// Surfaces of what never moves; none in a file of version 3.
+    pub surfaces: Vec<BakedSurface>,
 }
 
 /// The triangles of one mesh of a scene.
@@ -272,13 +182,20 @@ impl BakedTriangles {
 impl HullScene {
     /// A scene of meshes.
     pub fn new(name: impl Into<String>, meshes: Vec<BakedMesh>) -> Self {
-        Self { name: name.into(), meshes, triangles: Vec::new() }
+        Self { name: name.into(), meshes, triangles: Vec::new(), surfaces: Vec::new() }
     }
 
     /// The same with the triangles of meshes.
     #[must_use]
     pub fn with_triangles(mut self, triangles: Vec<BakedTriangles>) -> Self {
         self.triangles = triangles;
+        self
+    }
+
+    /// The same with the surfaces of what never moves.
+    #[must_use]
+    pub fn with_surfaces(mut self, surfaces: Vec<BakedSurface>) -> Self {
+        self.surfaces = surfaces;
         self
     }
 
@@ -309,7 +226,11 @@ impl HullScene {
     /// of [`HullsFile::to_bytes`].
     pub fn to_bytes(&self) -> Result<Vec<u8>, HullsFileError> {
         let has_parts = self.meshes.iter().any(|baked| !baked.hulls.parts.is_empty());
-        let version = if has_parts { SCENE_FORMAT_VERSION } else { WITHOUT_PARTS };
+        let version = match (self.surfaces.is_empty(), has_parts) {
+            (false, _) => SCENE_FORMAT_VERSION,
+            (true, true) => WITHOUT_SURFACES,
+            (true, false) => WITHOUT_PARTS,
+        };
         let mut bytes = begin(SCENE_MAGIC, version, ALGORITHM_VERSION);
         text(&mut bytes, &self.name)?;
         count(&mut bytes, self.meshes.len())?;
@@ -334,6 +255,10 @@ impl HullScene {
             points(&mut bytes, &baked.positions);
             numbers(&mut bytes, baked.triangles.as_flattened())?;
         }
+        if version > WITHOUT_SURFACES {
+            count(&mut bytes, self.surfaces.len())?;
+            self.surfaces.iter().try_for_each(|surface| surface.write(&mut bytes))?;
+        }
         Ok(seal(bytes))
     }
 
@@ -353,8 +278,14 @@ impl HullScene {
         };
         let triangles =
             (0..triangles).map(|_| baked_triangles(&mut reader)).collect::<Result<_, _>>()?;
+        let surfaces = match format {
+            ..=WITHOUT_SURFACES => 0,
+            _ => reader.count(LEAST_SURFACE)?,
+        };
+        let surfaces =
+            (0..surfaces).map(|_| BakedSurface::read(&mut reader)).collect::<Result<_, _>>()?;
         reader.end()?;
-        Ok(Self { name, meshes, triangles })
+        Ok(Self { name, meshes, triangles, surfaces })
     }
 
     /// Reads a file.
@@ -379,16 +310,6 @@ fn bounds_of(mesh: MeshView<'_>) -> Option<[[f32; 3]; 2]> {
         };
         Some([pick(low, f32::min), pick(high, f32::max)])
     })
-}
-
-fn numbers(bytes: &mut Vec<u8>, numbers: &[u32]) -> Result<(), HullsFileError> {
-    count(bytes, numbers.len())?;
-    bytes.extend(numbers.iter().flat_map(|number| number.to_le_bytes()));
-    Ok(())
-}
-
-fn points(bytes: &mut Vec<u8>, points: &[[f32; 3]]) {
-    bytes.extend(points.as_flattened().iter().flat_map(|x| x.to_le_bytes()));
 }
 
 /// The bytes of a mesh without names and hulls in version 1: a hash and three lengths.
@@ -427,11 +348,6 @@ fn baked_triangles(reader: &mut Reader<'_>) -> Result<BakedTriangles, HullsFileE
     let all_exist = corners.iter().all(|corner| (*corner as usize) < positions.len());
     valid(all_exist, "a triangle names a point that is not there")?;
     Ok(BakedTriangles { gltf_meshes, positions, triangles: triangles.to_vec() })
-}
-
-fn read_numbers(reader: &mut Reader<'_>) -> Result<Vec<u32>, HullsFileError> {
-    let numbers = reader.count(size_of::<u32>())?;
-    (0..numbers).map(|_| reader.u32()).collect()
 }
 
 const NO_PARAMETERS: &str = "a mesh's parameters are none that this library has";
