@@ -15,6 +15,10 @@ use crate::geometry::vector::{Vector, larger};
 /// length: it is as good as that far away.
 const LEAST_RADIUS: f64 = 0.02;
 
+/// A part whose centre is no deeper than this over a triangle, in the pipeline's space, is not cut
+/// by its sides: rounding would leave the same sliver again and again.
+const LEAST_DEPTH: f64 = 1e-13;
+
 /// Parts of one triangle. What is still open then counts as beyond the length. A face that is cut
 /// into ten thousand triangles takes fewer.
 const MAX_PARTS: usize = 1 << 16;
@@ -39,6 +43,9 @@ pub(super) struct Parts {
     uncut: Vec<Vector>,
     inside: Vec<Vector>,
     outside: Vec<Vector>,
+    /// The triangles that the last measurement was from. Where it was refuted, the last is the
+    /// nearest there.
+    pub used: Vec<u32>,
 }
 
 impl Parts {
@@ -66,6 +73,12 @@ impl<'a> Target<'a> {
         Some(self.tree.closest_point(point, f64::INFINITY)?.triangle)
     }
 
+    /// A triangle within a length of a point. Faster if the triangle `guess` is near.
+    pub(super) fn near(&self, point: Vector, length: f64, guess: u32) -> Option<u32> {
+        let closest = self.tree.closest_point_near(point, length, guess)?;
+        (closest.distance <= length).then_some(closest.triangle)
+    }
+
     /// An upper bound on the distance from any point of a triangle to the surface; `None` if it is
     /// not shown to be at most `limit`. Faster if the triangle `guess` of the surface is near.
     pub(super) fn farthest(
@@ -76,7 +89,9 @@ impl<'a> Target<'a> {
         parts: &mut Parts,
     ) -> Option<f64> {
         let of_guess = self.farthest_corner(&corners, guess);
+        parts.used.clear();
         if of_guess <= limit {
+            parts.used.push(guess);
             return Some(of_guess);
         }
         parts.corners.clear();
@@ -91,12 +106,15 @@ impl<'a> Target<'a> {
             let centre = parts.part.iter().fold(Vector::ZERO, |sum, &corner| sum + corner)
                 * (1.0 / parts.part.len() as f64);
             let closest = self.tree.closest_point_near(centre, EXACT, guess)?;
+            guess = closest.triangle;
+            if parts.used.last() != Some(&guess) {
+                parts.used.push(guess);
+            }
             // A distance that is not a number is beyond the limit, too.
             let is_within = closest.distance <= limit;
             if !is_within {
                 return None;
             }
-            guess = closest.triangle;
             let most = self.farthest_corner(&parts.part, guess);
             if most <= limit {
                 farthest = larger(farthest, most);
@@ -135,7 +153,7 @@ impl<'a> Target<'a> {
         let sides = [(a, b), (b, c), (c, a)]
             .map(|(from, to)| (from, (to - from).cross(normal).normalize_or_zero()));
         // Beside a sharp edge slivers would be cut off without end.
-        if sides.iter().any(|&(from, outward)| outward.dot(centre - from) >= 0.0) {
+        if sides.iter().any(|&(from, outward)| outward.dot(centre - from) >= -LEAST_DEPTH) {
             return None;
         }
         let before = (parts.corners.len(), parts.counts.len());

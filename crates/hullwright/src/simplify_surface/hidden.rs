@@ -137,7 +137,7 @@ impl Solids<'_> {
     /// The closed components but one that wind about a point, and how often. Where rays do not
     /// agree, none.
     fn around(&self, point: Vector, own: usize) -> Vec<(usize, i32)> {
-        let by_ray = DIRECTIONS.map(|direction| {
+        let by_ray = |direction: Vector| {
             let mut turns: Vec<(usize, i32)> = Vec::new();
             self.tree.visit_hits([point, direction], 0.0, |hit| {
                 let triangle = self.closed[hit.triangle as usize];
@@ -152,9 +152,12 @@ impl Solids<'_> {
             let of_each = turns.chunk_by(|a, b| a.0 == b.0);
             let sums = of_each.map(|all| (all[0].0, all.iter().map(|&(_, turn)| turn).sum()));
             sums.filter(|&(_, sum): &(usize, i32)| sum != 0).collect::<Vec<_>>()
-        });
-        let [first, second, third] = by_ray;
-        if first == second && second == third { first } else { Vec::new() }
+        };
+        let [first, others @ ..] = DIRECTIONS;
+        let around = by_ray(first);
+        // Most points are around nothing.
+        let is_known = around.is_empty() || others.into_iter().all(|other| by_ray(other) == around);
+        if is_known { around } else { Vec::new() }
     }
 
     /// The closed components that a triangle may touch.

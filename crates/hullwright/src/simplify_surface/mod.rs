@@ -4,10 +4,12 @@
 //! |---|---|
 //! | `simplify` | the public function, its parameters and its report |
 //! | `hidden` | triangles that nothing can touch |
-//! | `rounds` | collapses, and distances measured in between |
+//! | `rounds` | collapses, measured, and taken back where they are beyond the bound |
+//! | `guesses` | collapses that samples allow, and that can be taken back |
 //! | `distance` | how far triangles are from a surface at most |
 
 mod distance;
+mod guesses;
 mod hidden;
 mod rounds;
 mod simplify;

@@ -1,13 +1,14 @@
 //! Collapses up to the bound, and a measurement that has the last word.
 //!
-//! A collapse adds what it moves to what collapses before it have moved. The sum is larger than the
-//! distance, since some of them move the surface back. So sums may be larger than the bound, and
-//! distances are measured, from each triangle to the source and back. Where that refutes the
-//! result, everything is done again, with sums within the bound there; at last within the bound
-//! everywhere. What is refuted even then gives way to triangles of the source, so that the bound
-//! always holds.
+//! At first sums of what collapses move are within the bound. That is fast, but sums are several
+//! times the distance, since most collapses move the surface back. Then collapses go on that
+//! samples of the distance allow ([`Guesses`]), and distances are measured, from each whole
+//! triangle to the source and back. Where that refutes the result, the last collapse there is taken
+//! back, until nothing is refuted. What is refuted even without any gives way to triangles of the
+//! source, so that the bound always holds.
 
 use super::distance::{NO_GUESS, Parts, Target};
+use super::guesses::Guesses;
 use crate::bvh::Bvh;
 use crate::control::{Control, Stage};
 use crate::error::Error;
@@ -16,16 +17,12 @@ use crate::mesh::collapse::{Collapsed, collapse};
 use crate::mesh::flip::flip_diagonals;
 use crate::parallel;
 
-/// Sums of collapses as a multiple of the bound: those of curved surfaces are about twice their
-/// distances. Larger ones are refuted so often that doing it again loses more than they gain.
-const LOOSENESS: f64 = 2.0;
+/// Rounds of collapses, measuring and taking back. Few are left after four.
+const MAX_ROUNDS: usize = 16;
 
-/// Times that a surface is reduced. In the last one all sums are within the bound.
-const MAX_ATTEMPTS: usize = 5;
-
-/// From this attempt on what is beside a refuted triangle is done again too: that ends sooner, but
-/// leaves more triangles.
-const WIDE_ATTEMPT: usize = 3;
+/// In the first rounds other collapses may take the place of those that were taken back. More of
+/// them gain less than a hundredth.
+const ROUNDS_WITH_COLLAPSES: usize = 3;
 
 /// What may move at first, as fractions of the largest sum: planes go first, so that a plain shape
 /// does not lose its corners to a large bound, and flat places before those that bend.
@@ -74,10 +71,12 @@ pub(super) struct Reduced {
     pub to_source: f64,
 }
 
-/// Distances of triangles, where they are shown to be at most the limit.
+/// Distances as they are known, infinite where they are not shown to be at most the bound.
 struct Distances {
-    of_result: Vec<Option<f64>>,
-    of_source: Vec<Option<f64>>,
+    /// With the triangles as they were then.
+    of_result: Vec<([u32; 3], f64)>,
+    /// With the triangles of the result that they are from; at the last it was refuted.
+    of_source: Vec<(Vec<u32>, f64)>,
 }
 
 /// Reduces a surface as far as the bound allows.
@@ -92,98 +91,102 @@ pub(super) fn reduce(
 ) -> Result<Reduced, Error> {
     let tree = Bvh::with_control(&source.points, &source.triangles, control)?;
     let target = Target::new(tree, &source.points, &source.triangles);
-    // What the sums begin with.
-    let mut begun = vec![0.0; repaired.triangles.len()];
-    for attempt in 1..=MAX_ATTEMPTS {
-        control.report(Stage::Simplify, (attempt - 1) as f32 / MAX_ATTEMPTS as f32);
-        let mesh = collapsed(repaired, &begun, bound, control)?;
-        let distances = measure(source, &target, repaired.points, &mesh, bound, control)?;
-        let refuted = refuted(source, &mesh, &distances);
-        if attempt == MAX_ATTEMPTS || !refuted.contains(&true) {
-            let reduced = patched(source, repaired.points, mesh, distances, bound, control)?;
-            return with_nearest(reduced, &target, repaired.points, control);
-        }
-        let is_last = attempt + 1 == MAX_ATTEMPTS;
-        let again = if attempt < WIDE_ATTEMPT { refuted } else { near(repaired, &refuted) };
-        for (begun, is_again) in begun.iter_mut().zip(again) {
-            if is_again || is_last {
-                *begun = (LOOSENESS - 1.0) * bound;
-            }
+    let Collapsed { triangles, origins, owners, .. } = collapsed(repaired, bound, control)?;
+    // For each triangle of the result one of the source, and for each vertex one of the result.
+    let mut near = vec![NO_GUESS; triangles.len()];
+    for (index, &triangle) in (0_u32..).zip(&source.repaired) {
+        if let Some(&owner) = owners.get(triangle as usize) {
+            near[owner as usize] = index;
         }
     }
-    Err(Error::Cancelled)
+    let mut of_vertices = vec![0; repaired.points.len()];
+    for (triangle, &owner) in repaired.triangles.iter().zip(&owners) {
+        triangle.iter().for_each(|&vertex| of_vertices[vertex as usize] = owner);
+    }
+    let mut distances = Distances {
+        of_result: vec![([NO_GUESS; 3], f64::INFINITY); triangles.len()],
+        of_source: vec![(Vec::new(), f64::INFINITY); source.triangles.len()],
+    };
+    let verification = Verification { source, target: &target, repaired, owners, bound };
+    let surface = (repaired.points, triangles);
+    let mut result = Guesses::new(surface, (&target, bound), &of_vertices, near);
+    for round in 0..MAX_ROUNDS {
+        control.report(Stage::Simplify, round as f32 / MAX_ROUNDS as f32);
+        if round < ROUNDS_WITH_COLLAPSES {
+            result.collapse(control)?;
+        }
+        verification.measure(&result, &mut distances, control)?;
+        // What is measured last is the result.
+        if round + 1 == MAX_ROUNDS || !take_back(&mut result, &distances) {
+            break;
+        }
+    }
+    let reduced = patched(&verification, &result, &origins, distances, control)?;
+    with_nearest(reduced, &target, repaired.points, control)
 }
 
-/// The surface after collapses and flips.
-fn collapsed(
-    repaired: Repaired<'_>,
-    begun: &[f64],
-    bound: f64,
-    control: &Control,
-) -> Result<Collapsed, Error> {
+/// Takes the last collapses back where something is beyond the bound, and leaves room for others.
+/// `false` if there are none.
+fn take_back(result: &mut Guesses<'_>, distances: &Distances) -> bool {
+    let Distances { of_result, of_source } = distances;
+    let mut steps: Vec<u32> = result
+        .left()
+        .filter(|&triangle| of_result[triangle as usize].1 == f64::INFINITY)
+        .filter_map(|triangle| result.last_step(triangle))
+        .collect();
+    let refuted = of_source.iter().filter(|(_, most)| *most == f64::INFINITY);
+    steps.extend(refuted.filter_map(|(used, _)| {
+        used.iter().rev().find_map(|&triangle| result.last_step(triangle))
+    }));
+    let mut changed = Vec::new();
+    steps.iter().for_each(|&step| result.take_back(step, &mut changed));
+    result.open(&changed);
+    !steps.is_empty()
+}
+
+/// The surface after collapses and flips whose sums are within the bound.
+fn collapsed(repaired: Repaired<'_>, bound: f64, control: &Control) -> Result<Collapsed, Error> {
     let Repaired { points, triangles } = repaired;
     let is_locked = vec![false; points.len()];
-    let tolerance = LOOSENESS * bound;
     let mut mesh = Collapsed::unchanged(triangles);
-    mesh.moved.copy_from_slice(begun);
     for shares in [&SHARES[..], &[1.0]] {
-        collapse(&mut mesh, points, &is_locked, tolerance, (shares, WORTH_ANOTHER), control)?;
+        collapse(&mut mesh, points, &is_locked, bound, (shares, WORTH_ANOTHER), control)?;
         // A flip makes way for collapses that were stuck.
         let origins = std::mem::take(&mut mesh.origins);
-        flip_diagonals(&mut mesh, points, tolerance, |_, _| true);
+        flip_diagonals(&mut mesh, points, bound, |_, _| true);
         mesh.origins = origins;
     }
     Ok(mesh)
 }
 
-/// For each repaired triangle whether it or what stands for it is not shown to be within the bound.
-fn refuted(source: &Source, mesh: &Collapsed, distances: &Distances) -> Vec<bool> {
-    let is_refuted = |&owner: &u32| distances.of_result[owner as usize].is_none();
-    let mut refuted: Vec<bool> = mesh.owners.iter().map(is_refuted).collect();
-    for (distance, &triangle) in distances.of_source.iter().zip(&source.repaired) {
-        if let (None, Some(refuted)) = (distance, refuted.get_mut(triangle as usize)) {
-            *refuted = true;
-        }
-    }
-    refuted
-}
-
-/// For each triangle whether it shares a vertex with one that is refuted: beside those the next
-/// attempt would only just fail again.
-fn near(repaired: Repaired<'_>, refuted: &[bool]) -> Vec<bool> {
-    let mut is_touched = vec![false; repaired.points.len()];
-    for (triangle, _) in repaired.triangles.iter().zip(refuted).filter(|(_, refuted)| **refuted) {
-        triangle.iter().for_each(|&vertex| is_touched[vertex as usize] = true);
-    }
-    let touches = |triangle: &[u32; 3]| triangle.iter().any(|&vertex| is_touched[vertex as usize]);
-    repaired.triangles.iter().map(touches).collect()
-}
-
 /// Takes out what is refuted even so, and puts triangles of the source in its place. That happens
 /// where the bound is as small as what repair moves.
 fn patched(
-    source: &Source,
-    points: &[Vector],
-    mesh: Collapsed,
+    verification: &Verification<'_>,
+    result: &Guesses<'_>,
+    origins: &[u32],
     distances: Distances,
-    bound: f64,
     control: &Control,
 ) -> Result<Reduced, Error> {
-    let Distances { of_result, mut of_source } = distances;
-    let left: Vec<usize> = (0..of_result.len()).filter(|&t| of_result[t].is_some()).collect();
-    let triangles: Vec<[u32; 3]> = left.iter().map(|&index| mesh.triangles[index]).collect();
-    let origins = left.iter().map(|&index| mesh.origins[index]).collect();
-    if left.len() < of_result.len() {
-        let tree = Bvh::with_control(points, &triangles, control)?;
-        let target = Target::new(tree, points, &triangles);
+    let &Verification { source, repaired, bound, .. } = verification;
+    let Distances { of_result, of_source } = distances;
+    let is_within = |&index: &u32| of_result[index as usize].1.is_finite();
+    let (left, out): (Vec<u32>, Vec<u32>) = result.left().partition(is_within);
+    let triangles: Vec<[u32; 3]> = left.iter().map(|&index| result.triangle(index)).collect();
+    let mut of_source: Vec<f64> = of_source.into_iter().map(|(_, most)| most).collect();
+    if !out.is_empty() {
+        let tree = Bvh::with_control(repaired.points, &triangles, control)?;
+        let target = Target::new(tree, repaired.points, &triangles);
         of_source = all(source.triangles.len(), control, |index, parts| {
-            target.farthest(source.corners(index), NO_GUESS, bound, parts)
+            let most = target.farthest(source.corners(index), NO_GUESS, bound, parts);
+            most.unwrap_or(f64::INFINITY)
         })?;
     }
-    let is_missing = |index: &u32| of_source[*index as usize].is_none();
+    let is_missing = |index: &u32| of_source[*index as usize] == f64::INFINITY;
     let kept = (0..source.triangles.len() as u32).filter(is_missing).collect();
-    let most = |distances: &[Option<f64>]| distances.iter().flatten().copied().fold(0.0, larger);
-    let (from_source, to_source) = (most(&of_result), most(&of_source));
+    let from_source = left.iter().map(|&index| of_result[index as usize].1).fold(0.0, larger);
+    let to_source = of_source.iter().copied().filter(|most| most.is_finite()).fold(0.0, larger);
+    let origins = left.iter().map(|&index| origins[index as usize]).collect();
     Ok(Reduced { triangles, origins, nearest: Vec::new(), kept, from_source, to_source })
 }
 
@@ -201,34 +204,69 @@ fn with_nearest(
     Ok(reduced)
 }
 
-/// The distances both ways, each where it is at most the limit.
-fn measure(
-    source: &Source,
-    target: &Target<'_>,
-    points: &[Vector],
-    mesh: &Collapsed,
-    limit: f64,
-    control: &Control,
-) -> Result<Distances, Error> {
-    // For each triangle of the result one of the source that is near.
-    let mut near = vec![NO_GUESS; mesh.triangles.len()];
-    for (index, &triangle) in (0_u32..).zip(&source.repaired) {
-        if let Some(&owner) = mesh.owners.get(triangle as usize) {
-            near[owner as usize] = index;
+/// What distances are measured with.
+struct Verification<'a> {
+    source: &'a Source,
+    target: &'a Target<'a>,
+    repaired: Repaired<'a>,
+    /// For each repaired triangle one of the result that stood for it at first.
+    owners: Vec<u32>,
+    bound: f64,
+}
+
+impl Verification<'_> {
+    /// Measures both ways what has changed, and what is near to that.
+    fn measure(
+        &self,
+        result: &Guesses<'_>,
+        distances: &mut Distances,
+        control: &Control,
+    ) -> Result<(), Error> {
+        let Self { source, target, repaired, bound, .. } = self;
+        let Distances { of_result, of_source } = distances;
+        let left: Vec<u32> = result.left().collect();
+        let triangles: Vec<[u32; 3]> = left.iter().map(|&index| result.triangle(index)).collect();
+        let is_changed: Vec<bool> = (0_u32..)
+            .zip(&*of_result)
+            .map(|(index, known)| result.triangle(index) != known.0 || !result.is_left(index))
+            .collect();
+        let open: Vec<u32> =
+            left.iter().copied().filter(|&index| is_changed[index as usize]).collect();
+        let found = all(open.len(), control, |place, parts| {
+            let corners = result.triangle(open[place]).map(|v| repaired.points[v as usize]);
+            target.farthest(corners, result.near(open[place]), *bound, parts)
+        })?;
+        for (&index, most) in open.iter().zip(found) {
+            of_result[index as usize] = (result.triangle(index), most.unwrap_or(f64::INFINITY));
         }
+        let tree = Bvh::with_control(repaired.points, &triangles, control)?;
+        let surface = Target::new(tree, repaired.points, &triangles);
+        let mut places = vec![NO_GUESS; result.count()];
+        (0_u32..).zip(&left).for_each(|(place, &index)| places[index as usize] = place);
+        let of_vertices = result.owners();
+        let guess = |triangle: usize| {
+            let owner = places[*self.owners.get(triangle)? as usize];
+            let [vertex, ..] = repaired.triangles[triangle];
+            let other = of_vertices[vertex as usize] as usize;
+            if owner == NO_GUESS { places.get(other).copied() } else { Some(owner) }
+        };
+        let is_open = |&index: &usize| {
+            let (used, most) = &of_source[index];
+            !most.is_finite() || used.iter().any(|&triangle| is_changed[triangle as usize])
+        };
+        let open: Vec<usize> = (0..of_source.len()).filter(is_open).collect();
+        let found = all(open.len(), control, |place, parts| {
+            let index = open[place];
+            let guess = guess(source.repaired[index] as usize).unwrap_or(NO_GUESS);
+            let most = surface.farthest(source.corners(index), guess, *bound, parts);
+            let used = parts.used.iter().map(|&place| left[place as usize]).collect();
+            (used, most.unwrap_or(f64::INFINITY))
+        })?;
+        for (index, found) in open.into_iter().zip(found) {
+            of_source[index] = found;
+        }
+        Ok(())
     }
-    let of_result = all(mesh.triangles.len(), control, |index, parts| {
-        let corners = mesh.triangles[index].map(|vertex| points[vertex as usize]);
-        target.farthest(corners, near[index], limit, parts)
-    })?;
-    let tree = Bvh::with_control(points, &mesh.triangles, control)?;
-    let result = Target::new(tree, points, &mesh.triangles);
-    let of_source = all(source.triangles.len(), control, |index, parts| {
-        let corners = source.corners(index);
-        let owner = mesh.owners.get(source.repaired[index] as usize);
-        result.farthest(corners, owner.copied().unwrap_or(NO_GUESS), limit, parts)
-    })?;
-    Ok(Distances { of_result, of_source })
 }
 
 /// Applies a function to indices, on all threads, with memory for each task.

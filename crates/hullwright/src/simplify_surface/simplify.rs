@@ -1,5 +1,7 @@
 //! The public function: a surface with few triangles, within a bound of another.
 
+use std::cmp::Ordering;
+
 use super::distance::NO_GUESS;
 use super::hidden::hidden;
 use super::rounds::{Reduced, Repaired, Source, reduce};
@@ -210,20 +212,16 @@ fn assembled(
     // Vertices of triangles that are as they were come after those of repair, by place.
     let mut positions: Vec<[f64; 3]> =
         prepared.source_vertices.iter().map(|&v| mesh.at(v).into()).collect();
-    let compare = |a: &[f64; 3], b: &[f64; 3]| {
-        let by_axis = |axis: usize| a[axis].total_cmp(&b[axis]);
-        by_axis(0).then(by_axis(1)).then(by_axis(2))
-    };
     let place = |vertex: u32| -> [f64; 3] { mesh.at(vertex).into() };
     let kept = || reduced.kept.iter().map(|&index| (index, source.triangles[index as usize]));
     let mut places: Vec<[f64; 3]> = kept().flat_map(|(_, corners)| corners.map(place)).collect();
-    places.sort_unstable_by(compare);
+    places.sort_unstable_by(|&a, &b| compare_places(a, b));
     places.dedup();
     let first = positions.len();
     for (index, corners) in kept() {
         let found = corners.map(|vertex| {
             let place = place(vertex);
-            first + places.partition_point(|other| compare(other, &place).is_lt())
+            first + places.partition_point(|&other| compare_places(other, place).is_lt())
         });
         triangles.push((found.map(|vertex| vertex as u32), indices[index as usize]));
     }
@@ -235,6 +233,11 @@ fn assembled(
     let used = compact(&mut corners, positions.len());
     let positions = used.iter().map(|&vertex| positions[vertex as usize]).collect();
     (TriangleMesh::new(positions, corners), sources)
+}
+
+fn compare_places(a: [f64; 3], b: [f64; 3]) -> Ordering {
+    let by_axis = |axis: usize| a[axis].total_cmp(&b[axis]);
+    by_axis(0).then(by_axis(1)).then(by_axis(2))
 }
 
 /// For each repaired triangle whether repair has turned it around.
@@ -267,7 +270,24 @@ fn source(
         mesh.points().map(|point| prepared.normalization.normalize(point)).collect();
     // Without those that repair left out as degenerate, but with all that it moved by welding.
     indices.retain(|&index| !is_degenerate(&points, mesh.triangles()[index as usize]));
-    let triangles = indices.iter().map(|&index| mesh.triangles()[index as usize]).collect();
+    // Whatever order the input has: in that of repair, and from the least corner on.
+    let least_first = |index: u32| {
+        let corners = mesh.triangles()[index as usize];
+        let compare = |&a: &usize, &b: &usize| {
+            compare_places(mesh.at(corners[a]).into(), mesh.at(corners[b]).into())
+        };
+        let least = (0..3).min_by(compare).unwrap_or_default();
+        [0, 1, 2].map(|step| corners[(least + step) % 3])
+    };
+    indices.sort_by(|&a, &b| {
+        let by_place = || {
+            let places = |index| least_first(index).map(|vertex| mesh.at(vertex).into());
+            let pairs = places(a).into_iter().zip(places(b));
+            pairs.fold(Ordering::Equal, |order, (a, b)| order.then(compare_places(a, b)))
+        };
+        repaired[a as usize].cmp(&repaired[b as usize]).then_with(by_place)
+    });
+    let triangles = indices.iter().map(|&index| least_first(index)).collect();
     let repaired = indices.iter().map(|&index| repaired[index as usize]).collect();
     (Source { points, triangles, repaired }, indices)
 }

@@ -256,7 +256,7 @@ fn soup(random: &mut Random, kind: usize) -> TriangleMesh {
 #[test]
 fn samples_find_nothing_beyond_the_bound_on_random_soups() {
     let mut random = Random(7);
-    for number in 0..400 {
+    for number in 0..500 {
         let mesh = soup(&mut random, number);
         let share = [0.0000001, 0.001, 0.02, 0.1, 2.0][number / 4 % 5];
         match simplify_surface(&mesh, Length::share(share), &Control::new()) {
@@ -267,20 +267,46 @@ fn samples_find_nothing_beyond_the_bound_on_random_soups() {
     }
 }
 
-#[test]
-fn the_order_of_triangles_and_vertices_and_threads_do_not_matter() {
-    let mesh = owned(join(&[torus(), fine_cube(4)]));
-    let first = simplified(&mesh, Length::share(0.01));
+/// The same with triangles and vertices the other way round, and other corners first.
+fn shuffled(mesh: &TriangleMesh) -> TriangleMesh {
     let mut shuffled = mesh.clone();
     shuffled.triangles.reverse();
     shuffled.triangles.iter_mut().for_each(|triangle| triangle.rotate_left(1));
     let last = shuffled.positions.len() as u32 - 1;
     shuffled.positions.reverse();
     shuffled.triangles.as_flattened_mut().iter_mut().for_each(|vertex| *vertex = last - *vertex);
-    let second = simplified(&shuffled, Length::share(0.01));
-    assert_eq!(first.mesh, second.mesh);
-    let alone = Control::new().with_parallel(false);
-    assert_eq!(simplify_surface(&mesh, Length::share(0.01), &alone).unwrap(), first);
+    shuffled
+}
+
+#[test]
+fn the_order_of_triangles_and_vertices_and_threads_do_not_matter() {
+    let mesh = owned(join(&[torus(), fine_cube(4)]));
+    let models = bundled_models().into_iter().map(|(_, mesh)| mesh);
+    for mesh in models.chain([mesh]) {
+        let first = simplified(&mesh, Length::share(0.01));
+        assert_eq!(first.mesh, simplified(&shuffled(&mesh), Length::share(0.01)).mesh);
+        let alone = Control::new().with_parallel(false);
+        assert_eq!(simplify_surface(&mesh, Length::share(0.01), &alone).unwrap(), first);
+    }
+}
+
+#[test]
+fn closed_components_stay_closed() {
+    let shifted = |(positions, triangles): Mesh| {
+        (positions.into_iter().map(|[x, y, z]| [x + 3.0, y, z]).collect(), triangles)
+    };
+    let mesh = owned(join(&[torus(), shifted(ball(48, 96)), shifted(shifted(fine_cube(6)))]));
+    for share in [0.001, 0.01, 0.1, 0.5] {
+        let result = simplified(&mesh, Length::share(share));
+        let sides = result.mesh.triangles.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]);
+        let mut sides: Vec<[u32; 2]> = sides.collect();
+        sides.sort_unstable();
+        let before = sides.len();
+        sides.dedup();
+        assert_eq!(sides.len(), before, "{share}");
+        assert!(sides.iter().all(|&[a, b]| sides.binary_search(&[b, a]).is_ok()), "{share}");
+        assert!(sides.len() >= 3 * 3 * 4, "{share}");
+    }
 }
 
 #[test]
