@@ -2,6 +2,7 @@
 //! over both: `cargo window level`.
 
 use bevy::asset::RenderAssetUsages;
+use bevy::light::NotShadowCaster;
 use bevy::mesh::{Indices, PrimitiveTopology};
 use bevy::prelude::*;
 use bevy_hullwright::prelude::*;
@@ -117,7 +118,7 @@ fn draw_triangles(
     // In the frame after the one in which they came, when their places are known.
     new: Query<(Entity, &Collider, &GlobalTransform), Added<Collider>>,
 ) {
-    let material = StandardMaterial { unlit: true, depth_bias: 100.0, ..LINES.into() };
+    let material = StandardMaterial { unlit: true, ..LINES.into() };
     for (entity, collider, place) in &new {
         let Some(mesh) = collider.raw.as_trimesh() else { continue };
         info!("{entity}: {} triangles", mesh.indices().len());
@@ -126,7 +127,7 @@ fn draw_triangles(
             .flat_map(|triangle| {
                 [triangle.a, triangle.b, triangle.b, triangle.c, triangle.c, triangle.a]
             })
-            .map(|point| Vec3::from(point.to_array()) + 0.003 * Vec3::Y)
+            .map(|point| Vec3::from(point.to_array()) + 0.006 * Vec3::Y)
             .collect();
         let lines = Mesh::new(PrimitiveTopology::LineList, RenderAssetUsages::default())
             .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, points);
@@ -135,6 +136,7 @@ fn draw_triangles(
         commands.spawn((
             Mesh3d(server.add(lines)),
             MeshMaterial3d(server.add(material.clone())),
+            NotShadowCaster,
             place,
         ));
     }
