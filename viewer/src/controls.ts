@@ -42,6 +42,15 @@ const KEYS: [string, string][] = [
   ["?", "this list"],
 ];
 
+/** Of these a simplified mesh has none, or others. */
+const KEYS_OF_HULLS = ["click", "N P", "Esc", "[ ]", "{ }", "M", "H", "C", "O", "F", "E"];
+const KEYS_OF_SIMPLIFIED: [string, string][] = [
+  ["B", "before, after"],
+  ["M", "before"],
+  ["H", "after"],
+  ["C", "distances as colours"],
+];
+
 /** What is on or off. */
 const SWITCHES = ["mesh", "hulls", "wires", "errors", "openings", "filled"] as const;
 type Switch = (typeof SWITCHES)[number];
@@ -58,6 +67,10 @@ export function paint() {
 
 function isDark(): boolean {
   return getComputedStyle(document.documentElement).getPropertyValue("--is-dark").trim() === "1";
+}
+
+function fillKeys(keys: [string, string][]) {
+  for (const [key, what] of keys) find("keys").append(element("dt", "", key), element("dd", "", what));
 }
 
 export class Controls {
@@ -94,9 +107,27 @@ export class Controls {
     this.panels.forEach((panel, index) => {
       panel.viewport.parentElement?.addEventListener("focusin", () => (this.current = index));
     });
-    find("openings").hidden = page.document.mesh.caps === 0;
+    find("openings").hidden = !this.hasOpenings;
     find("filled").hidden = page.filled === null;
+    if (page.document.is_simplified) this.rename();
     this.update();
+  }
+
+  /** Words for a mesh before and after simplification. */
+  private rename() {
+    for (const [id, word, title] of [
+      ["mesh", "Before", "Before (M)"],
+      ["hulls", "After", "After (H)"],
+    ]) {
+      find(id).textContent = word;
+      find(id).title = title;
+    }
+    find("errors").title = "Distances as colours (C)";
+    find("legend").querySelector("p")!.textContent = "How far each of the two surfaces is from the other";
+    this.stage.canvas.ariaLabel = "The mesh before or after simplification; drag to turn, press ? for keys";
+    this.apart.parentElement!.hidden = true;
+    find("keys").replaceChildren();
+    fillKeys([...KEYS_OF_SIMPLIFIED, ...KEYS.filter(([key]) => !KEYS_OF_HULLS.includes(key))]);
   }
 
   /** Shows what the look says, on the buttons too. */
@@ -108,9 +139,20 @@ export class Controls {
     this.panels.forEach((panel) => panel.update());
   }
 
+  private get isSimplified(): boolean {
+    return this.page.document.is_simplified;
+  }
+
+  private get hasOpenings(): boolean {
+    return this.page.document.mesh.caps > 0 && !this.isSimplified;
+  }
+
   private toggle(what: Switch) {
     const { look } = this;
     look[what] = !look[what];
+    // Before or after: the surfaces lie in each other.
+    if (this.isSimplified && what === "mesh") look.hulls = !(look.mesh = true);
+    if (this.isSimplified && what === "hulls") look.mesh = !(look.hulls = true);
     // Something is always to be seen.
     if (what === "mesh" && !look.mesh && !look.hulls) look.hulls = true;
     if (what === "hulls" && !look.hulls) look.mesh = true;
@@ -163,8 +205,7 @@ export class Controls {
 
   private listKeys() {
     const { help } = this;
-    const list = find("keys");
-    for (const [key, what] of KEYS) list.append(element("dt", "", key), element("dd", "", what));
+    fillKeys(KEYS);
     find("help").addEventListener("click", () => this.showHelp());
     find("close").addEventListener("click", () => help.close());
     help.addEventListener("click", (event) => {
@@ -181,13 +222,14 @@ export class Controls {
     const { stage, panels } = this;
     const panel = () => panels[this.current];
     return {
+      b: () => this.isSimplified && this.toggle(this.look.mesh ? "hulls" : "mesh"),
       m: () => this.toggle("mesh"),
       h: () => this.toggle("hulls"),
       w: () => this.toggle("wires"),
       c: () => this.toggle("errors"),
-      o: () => this.page.document.mesh.caps > 0 && this.toggle("openings"),
+      o: () => this.hasOpenings && this.toggle("openings"),
       f: () => this.page.filled && this.toggle("filled"),
-      e: () => this.explodeTo(shared.explosion.value > 0 ? 0 : APART),
+      e: () => this.isSimplified || this.explodeTo(shared.explosion.value > 0 ? 0 : APART),
       z: () => this.turnUp(),
       r: () => stage.home(),
       t: () => this.theme(),

@@ -82,6 +82,8 @@ interface Document {
     divisions: ArrayPlace;
   };
   filled: FilledEntry | null;
+  /** Whether the one set is a surface that stands for the mesh, whose caps are hidden triangles. */
+  is_simplified: boolean;
   openings: { outcome: string; centre: number[] }[];
   names: string[];
   sets: SetEntry[];

@@ -25,6 +25,14 @@ const OVER_MESH = 0.62;
 /** Of what a probe does not reach: the gaps below are seen. */
 const FILLED = 0.55;
 
+/** What a simplified mesh has. */
+const FIGURES_OF_SIMPLIFIED = [
+  ["error", "distance, at most", "The larger of the next two, in diagonals of the mesh"],
+  ["protrusion", "after from before", "How far any point of the mesh after simplification is from the one before"],
+  ["uncovered", "before from after", "How far any point of the mesh before simplification is from the one after"],
+  ["vertices", "vertices after", "Of the mesh after simplification"],
+];
+
 const linear = (rgb: readonly number[]): number[] =>
   new Color().setRGB(rgb[0] / 255, rgb[1] / 255, rgb[2] / 255, "srgb").toArray();
 
@@ -93,7 +101,7 @@ export class Panel {
       this.root.add(object);
     }
     // Hulls are closed and face outward: half of their triangles need no drawing.
-    this.faces.material.side = this.depth.material.side = FrontSide;
+    if (!this.isSimplified) this.faces.material.side = this.depth.material.side = FrontSide;
     for (const { material } of [this.meshFaces, this.depth, this.faces]) {
       material.polygonOffset = true;
       material.polygonOffsetFactor = material.polygonOffsetUnits = 1;
@@ -113,6 +121,11 @@ export class Panel {
       object.geometry.dispose();
       object.material.dispose();
     });
+  }
+
+  /** Whether a surface that stands for the mesh is shown, not hulls. */
+  private get isSimplified(): boolean {
+    return this.page.document.is_simplified;
   }
 
   /** What is shown now. */
@@ -147,7 +160,7 @@ export class Panel {
     title.append(element("span", "facts", facts));
     const list = element("dl", "figures");
     const at = entry.is_verified ? "at most" : "sampled";
-    for (const [key, label, explanation] of [
+    for (const [key, label, explanation] of this.isSimplified ? FIGURES_OF_SIMPLIFIED : [
       ["error", `error, ${at}`, "The larger of protrusion and uncovered distance, in diagonals of the mesh"],
       ["protrusion", "protrusion", "How far a hull is outside of the solid"],
       ["uncovered", "uncovered", "How far the mesh is outside of every hull"],
@@ -189,19 +202,21 @@ export class Panel {
     }));
     const both = look.mesh && look.hulls;
     const { errors, wires } = look;
+    // Of a simplified mesh faces hide what lies behind them.
+    const bare = wires && !this.isSimplified;
     this.stale.set(this.faces, () => (errors ? shapes.hullErrors(set, hulls) : shapes.hullFaces(set, hulls)));
     this.stale.set(this.lines, () => shapes.hullLines(set, hulls, this.edges, wires));
-    this.faces.visible = look.hulls && !wires;
+    this.faces.visible = look.hulls && !bare;
     this.depth.visible = this.faces.visible && both;
     this.showLines();
     this.faces.material.transparent = both;
     this.faces.material.depthWrite = !both;
     this.faces.material.uniforms.opacity.value = both ? OVER_MESH : 1;
-    repurpose(this.lines.material, wires ? "WIRES" : "CREASES", errors);
+    repurpose(this.lines.material, bare ? "WIRES" : "CREASES", errors);
     for (const { material } of [this.faces, this.meshFaces]) repurpose(material, "FACES", errors);
     for (const { material } of [this.meshCreases, this.meshWires]) repurpose(material, "CREASES", errors);
 
-    this.meshFaces.visible = look.mesh && (look.hulls || !wires);
+    this.meshFaces.visible = look.mesh && (look.hulls || !bare);
     this.meshCreases.visible = look.mesh && !look.hulls && !wires;
     this.meshWires.visible = look.mesh && !look.hulls && wires;
     this.filled.visible = look.filled && this.page.filled !== null;
@@ -246,13 +261,15 @@ export class Panel {
   private write(entry: HullSet["entry"]) {
     const { state } = this;
     this.slider.value = String(state.hulls);
-    this.count.textContent = words(state.hulls, "hull");
+    const { source_triangles } = this.page.document.mesh;
+    const triangles = this.look.mesh ? source_triangles : entry.hulls[0]?.triangles;
+    this.count.textContent = this.isSimplified ? words(triangles, "triangle") : words(state.hulls, "hull");
     const sign = entry.is_verified ? "≤ " : "";
     const over = state.error > this.page.document.bound * (1 + 1e-9);
     this.figure("error", sign + percent(state.error), over);
     this.figure("protrusion", sign + percent(state.protrusion));
     this.figure("uncovered", sign + percent(state.uncovered));
-    this.figure("iou", state.iou === null ? "–" : percent(state.iou));
+    if (!this.isSimplified) this.figure("iou", state.iou === null ? "–" : percent(state.iou));
     this.figure("vertices", state.vertices.toLocaleString("en"));
     this.curve.mark(this.joins);
   }
@@ -307,6 +324,7 @@ export class Panel {
 
   /** Selects the hull after or before the one that is selected. */
   step(by: number) {
+    if (this.isSimplified) return;
     const now = this.picked === null ? (by > 0 ? -1 : 0) : this.hulls.indexOf(this.picked);
     const count = this.hulls.length;
     this.select(this.hulls[(now + by + count) % count]);
@@ -333,7 +351,7 @@ export class Panel {
 
   /** The hull that a ray hits first, if hulls are shown. */
   hit(ray: Ray): number | null {
-    if (!this.look.hulls) return null;
+    if (!this.look.hulls || this.isSimplified) return null;
     const own = this.own(ray);
     const { positions, triangles } = this.set.surface;
     const corners = [new Vector3(), new Vector3(), new Vector3()];

@@ -15,7 +15,8 @@ export class View {
 
   constructor(page: Page) {
     const isCalm = matchMedia("(prefers-reduced-motion: reduce)").matches;
-    this.look = { mesh: false, hulls: true, wires: false, errors: false, openings: true, filled: false, up: page.document.up };
+    const { is_simplified: wires, up } = page.document;
+    this.look = { mesh: false, hulls: true, wires, errors: false, openings: true, filled: false, up };
     paint();
     this.fill(page);
     const triangles = this.panels.reduce((sum, panel) => sum + panel.triangles, 0);

@@ -250,6 +250,38 @@ test("two methods stand side by side, seen by one camera, each with its slider",
   expect(moved[1]).not.toBe(turned[1]);
 });
 
+test("a simplified mesh is switched between before and after, with its triangles and distances", async ({ page }) => {
+  const watched = await opened(page, view(asset("props.glb"), "simplified.html", "--simplified", "--max-error", "1%"));
+  const pressed = (id: string) => page.locator(`#${id}`).getAttribute("aria-pressed");
+  const triangles = async () => Number((await count(page)).replace(/[^0-9]/g, ""));
+  expect([await pressed("mesh"), await pressed("hulls"), await pressed("wires")]).toEqual(["false", "true", "true"]);
+  const after = await triangles();
+  await page.screenshot({ path: `${shots}simplified-after.png` });
+  await changes(page, () => page.locator("#mesh").click());
+  expect(await triangles()).toBeGreaterThan(after);
+  expect([await pressed("mesh"), await pressed("hulls")]).toEqual(["true", "false"]);
+  await page.screenshot({ path: `${shots}simplified-before.png` });
+  await changes(page, () => page.keyboard.press("b"));
+  expect(await triangles()).toBe(after);
+  await changes(page, () => page.keyboard.press("c"));
+  await expect(page.locator("#legend")).toBeVisible();
+  await page.screenshot({ path: `${shots}simplified-distances.png` });
+  await changes(page, () => page.keyboard.press("w"));
+  for (const figure of [".error", ".protrusion", ".uncovered"]) {
+    expect(await page.locator(`${figure} dd`).innerText()).toMatch(/^≤ .* %$/);
+  }
+  // What only hulls have does nothing here, and is not listed.
+  const shown = await picture(page);
+  for (const key of ["n", "e", "o", "f", "]"]) await page.keyboard.press(key);
+  expect((await picture(page)).text).toBe(shown.text);
+  await expect(page.locator(".pick")).toBeHidden();
+  await expect(page.locator("#apart")).toBeHidden();
+  await page.keyboard.press("?");
+  await expect(page.locator("#keys")).toContainText("before, after");
+  await expect(page.locator("#keys")).not.toContainText("hull");
+  expect(watched.errors).toEqual([]);
+});
+
 test("on a telephone everything fits its width", async ({ browser }) => {
   const context = await browser.newContext({
     viewport: { width: 390, height: 844 },

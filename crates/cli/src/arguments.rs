@@ -239,6 +239,21 @@ impl ParameterArguments {
         }
     }
 
+    /// The bound and the axis that points up, where nothing else may be given: nothing is
+    /// decomposed.
+    pub fn of_surface(&self) -> Result<(Option<Length>, UpAxis), Failure> {
+        let others =
+            [("method", self.method.is_some()), ("max-vertices", self.max_vertices.is_some())];
+        let given = self.given().into_iter().map(|(option, _)| option);
+        let others = others.iter().filter(|(_, is_given)| *is_given).map(|(option, _)| *option);
+        match given.chain(others).find(|option| !["max-error", "up-axis"].contains(option)) {
+            Some(option) => {
+                Err(Failure::Usage(format!("--{option} has no effect: nothing is decomposed")))
+            }
+            None => Ok((self.max_error, self.up_axis.unwrap_or_default())),
+        }
+    }
+
     /// The options that were given, each with the methods that have it. All have a limit on
     /// vertices.
     fn given(&self) -> Vec<(&'static str, &'static [&'static str])> {

@@ -10,11 +10,13 @@ mod curve;
 mod decompose;
 mod inspect;
 mod measure;
+mod measure_surface;
 mod notes;
 mod progress;
 mod report;
 mod simplify;
 mod view;
+mod view_simplified;
 
 use std::process::ExitCode;
 

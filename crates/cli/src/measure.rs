@@ -1,4 +1,4 @@
-//! `hullwright measure`: hulls of any tool against their mesh.
+//! `hullwright measure`: hulls of any tool against their mesh, or two surfaces.
 
 use std::path::PathBuf;
 
@@ -9,22 +9,33 @@ use hullwright_formats::read_hulls;
 use serde_json::{Value, json};
 
 use crate::arguments::{SolidArguments, mesh_help, parse_point};
+use crate::measure_surface::{self, Surfaces};
 use crate::notes::read_with_warnings;
 use crate::progress::waiting;
 
-/// Measure a set of hulls, of any tool, against their mesh
+/// Measure a set of hulls, of any tool, against their mesh; or a simplified mesh
 #[derive(clap::Args)]
 #[command(
     after_help = "Protrusion is how far the hulls reach outside the solid, uncovered how far the \
     surface reaches outside all hulls, uncovered volume the percentage of the solid in no hull. Points \
-    are sampled, the same on every run."
+    are sampled, the same on every run. With --surface distances are bounds for whole triangles."
 )]
 pub struct Arguments {
     #[arg(help = mesh_help())]
     mesh: PathBuf,
 
-    /// The hulls: a .hulls file, or one per object of the file: obj, stl, gltf or glb
+    /// The hulls: a .hulls file, or one per object of the file: obj, stl, gltf or glb; with --surface
+    /// a mesh
     hulls: PathBuf,
+
+    /// Measure how far the surfaces of two meshes are from each other, as of a level and its
+    /// simplified mesh
+    #[arg(long)]
+    surface: bool,
+
+    /// With --surface: measure triangles that nothing can touch, too
+    #[arg(long, requires = "surface")]
+    keep_hidden: bool,
 
     /// Print one line of JSON instead of a table
     #[arg(long)]
@@ -42,7 +53,18 @@ pub struct Arguments {
     probe_from: Vec<[f64; 3]>,
 }
 
+/// Why options of the solid are refused.
+const NO_SOLID: &str = "surfaces are measured, not solids";
+
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    if arguments.surface {
+        arguments.solid.refuse(NO_SOLID)?;
+        if arguments.probe_radius.is_some() || !arguments.probe_from.is_empty() {
+            return Err(Failure::Usage(format!("a probe has no effect: {NO_SOLID}")));
+        }
+        let &Arguments { ref mesh, hulls: ref simplified, keep_hidden, json, .. } = arguments;
+        return measure_surface::run(&Surfaces { mesh, simplified, keep_hidden }, json);
+    }
     let solid = arguments.solid.parameters()?;
     let solid =
         solid.with_probe_radius(arguments.probe_radius).with_probe_from(&arguments.probe_from[..]);

@@ -5,7 +5,10 @@ use std::time::Instant;
 
 use hullwright::{Length, SimplifiedSurface, SimplifyParameters, TriangleMesh, simplify_surface};
 use hullwright_cli::terminal::{Failure, count, print, print_json, time};
-use hullwright_formats::{HullFormat, MeshFile, NamedMesh, check_output, read_mesh, write_meshes};
+use hullwright_formats::{
+    MeshFile, NamedMesh, check_mesh_output, is_mesh_output, mesh_suffix_list, read_mesh,
+    write_meshes,
+};
 use serde_json::{Value, json};
 
 use crate::arguments::{ThreadArguments, check_not_input, mesh_help};
@@ -37,8 +40,7 @@ pub struct Arguments {
     #[arg(long)]
     keep_hidden: bool,
 
-    /// Write the result: .obj, or .glb
-    #[arg(short, long, value_name = "OUT", value_parser = parse_output)]
+    #[arg(short, long, value_name = "OUT", help = output_help(), value_parser = parse_output)]
     output: Option<PathBuf>,
 
     /// Print one line of JSON instead of lines of text
@@ -49,10 +51,14 @@ pub struct Arguments {
     threads: ThreadArguments,
 }
 
+fn output_help() -> String {
+    format!("Write the result: {}", mesh_suffix_list())
+}
+
 fn parse_output(text: &str) -> Result<PathBuf, String> {
-    match HullFormat::from_path(text) {
-        Some(_) => Ok(PathBuf::from(text)),
-        None => Err(format!("meshes are written as {}", HullFormat::suffix_list())),
+    match is_mesh_output(text) {
+        true => Ok(PathBuf::from(text)),
+        false => Err(format!("meshes are written as {}", mesh_suffix_list())),
     }
 }
 
@@ -61,7 +67,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let parameters = SimplifyParameters::new(*max_error).with_keep_hidden(*keep_hidden);
     parameters.validate().map_err(|error| Failure::Usage(error.to_string()))?;
     if let Some(output) = output {
-        check_output(output)?;
+        check_mesh_output(output)?;
         check_not_input(output, mesh)?;
     }
     let file = waiting("reading", || read_mesh(mesh))?;

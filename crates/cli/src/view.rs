@@ -1,9 +1,11 @@
-//! `hullwright view`: a page to look at a mesh and its hulls from all sides, or a picture of both.
+//! `hullwright view`: a page to look at a mesh and its hulls from all sides, or at what it is after
+//! simplification; or a picture of both.
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use hullwright::{Control, Error, Hull, MergeTree, Method};
+use hullwright::inspect::inspect;
+use hullwright::{Control, Error, Hull, MergeTree, Method, SimplifyParameters};
 use hullwright_cli::render::{Layout, Panel, Picture, render_with};
 use hullwright_cli::terminal::{Failure, count, print, time};
 use hullwright_cli::viewer::{HullSet, Page, hulls_of};
@@ -14,6 +16,7 @@ use crate::arguments::{
 };
 use crate::notes::read_with_warnings;
 use crate::progress::{LateBar, waiting};
+use crate::view_simplified::{Before, DEFAULT_BOUND};
 
 /// Write a page, or a picture, that shows a mesh and its hulls
 #[derive(clap::Args)]
@@ -21,7 +24,7 @@ use crate::progress::{LateBar, waiting};
     after_help = "The page is one HTML file that opens in any browser and loads nothing: the mesh, its hulls, \
     a slider from all hulls down to one, errors as colours, other methods or other tools' hulls side by \
     side. Press ? on the page for its keys. A picture has the mesh, its hulls, and the hulls moved apart; \
-    a row for each method or tool."
+    a row for each method or tool. With --simplified both show the triangles before and after."
 )]
 pub struct Arguments {
     #[arg(help = mesh_help())]
@@ -45,6 +48,21 @@ pub struct Arguments {
     #[arg(long, value_name = "FILE")]
     hulls: Vec<PathBuf>,
 
+    /// Show the mesh before and after simplification, within --max-error, 0.5% (default); or with
+    /// =FILE before and after any tool
+    #[arg(
+        long,
+        value_name = "FILE",
+        num_args = 0..=1,
+        require_equals = true,
+        conflicts_with_all = ["compare", "hulls", "no_merge"]
+    )]
+    simplified: Option<Option<PathBuf>>,
+
+    /// With --simplified: keep triangles that nothing can touch
+    #[arg(long, requires = "simplified")]
+    keep_hidden: bool,
+
     /// No slider: hulls are not joined, which takes long for many hundreds of them
     #[arg(long)]
     no_merge: bool,
@@ -57,6 +75,9 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    if let Some(other) = &arguments.simplified {
+        return show_simplified(arguments, other.as_deref());
+    }
     let uses = Uses { others: &arguments.compare, bound: true };
     let chosen = arguments.parameters.checked(&uses)?;
     let output = output(arguments)?;
@@ -69,7 +90,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let pool = arguments.threads.pool()?;
     let bar = LateBar::start();
     let control = bar.control().with_parallel(arguments.threads.is_parallel());
-    let is_picture = output.extension().is_some_and(|suffix| suffix.eq_ignore_ascii_case("png"));
+    let is_picture = is_picture(&output);
     let merges = !arguments.no_merge && !is_picture;
     let work = Work { file: &file, chosen: &chosen, merges, control: &control };
     let drawn = pool.install(|| {
@@ -93,11 +114,54 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             print(&format!("{}: {line}", set.name))?;
         }
     }
+    open_written(arguments, &output)
+}
+
+/// Opens what was written, if that is wanted.
+fn open_written(arguments: &Arguments, output: &Path) -> Result<(), Failure> {
     if arguments.open {
-        open::that_detached(&output)
+        open::that_detached(output)
             .map_err(|error| format!("{}: nothing opens it: {error}", output.display()))?;
     }
     Ok(())
+}
+
+/// The mesh before and after simplification, or beside a file of any tool.
+fn show_simplified(arguments: &Arguments, other: Option<&Path>) -> Result<(), Failure> {
+    let (bound, up) = arguments.parameters.of_surface()?;
+    let parameters = SimplifyParameters::new(bound.unwrap_or(DEFAULT_BOUND))
+        .with_keep_hidden(arguments.keep_hidden);
+    parameters.validate().map_err(|error| Failure::Usage(error.to_string()))?;
+    let output = output(arguments)?;
+    let file = read_with_warnings(&arguments.mesh)?;
+    let result = other.map(read_with_warnings).transpose()?;
+    let before = Before { title: file_name(&arguments.mesh), file: &file, parameters, up };
+    let pool = arguments.threads.pool()?;
+    let bar = LateBar::start();
+    let control = bar.control().with_parallel(arguments.threads.is_parallel());
+    let drawn = pool.install(|| {
+        let after = match (other, result) {
+            (Some(path), Some(result)) => before.compared(path, result.mesh)?,
+            _ => before.simplified(&control)?,
+        };
+        let drawn = match is_picture(&output) {
+            true => before.picture(&after)?.to_png()?,
+            false => before.page(&after, &control)?.into_bytes(),
+        };
+        Ok::<_, Error>((drawn, after.summary(&file)))
+    });
+    bar.finish();
+    let (drawn, summary) = drawn.map_err(|error| {
+        let path = other.filter(|_| inspect(&file).is_ok()).unwrap_or(&arguments.mesh);
+        format!("{}: {error}", path.display())
+    })?;
+    waiting("writing", || write_file(&output, &drawn))?;
+    print(&format!("wrote {}: {summary}", output.display()))?;
+    open_written(arguments, &output)
+}
+
+fn is_picture(output: &Path) -> bool {
+    output.extension().is_some_and(|suffix| suffix.eq_ignore_ascii_case("png"))
 }
 
 /// Where it goes, if there is such a folder.

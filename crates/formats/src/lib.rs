@@ -18,7 +18,7 @@
 //! | a mesh of several materials, and its hulls | what each hull is made of | [`MeshParts::shares`] |
 //! | hulls of any tool in a file | the hulls | [`read_hulls`] |
 //! | hulls | OBJ or GLB with a colour per hull | [`write_hulls`], [`hulls_to_bytes`] |
-//! | meshes | OBJ or GLB, a node per mesh | [`write_meshes`] |
+//! | meshes | OBJ, OFF, PLY, STL or GLB | [`write_meshes`] |
 //! | bytes | a file, all or nothing | [`write_file`] |
 //! | a scene | the hulls of all its meshes in one file | [`bake`] |
 //! | a scene | few triangles of what never moves | [`bake_surfaces`] |
@@ -86,11 +86,14 @@ mod text;
 mod vector;
 #[cfg(feature = "meshes")]
 mod write;
+#[cfg(feature = "meshes")]
+mod write_meshes;
 
 pub use atomic_write::write_file;
 #[cfg(feature = "meshes")]
 pub use mesh_file::{
-    Format, HullFormat, MeshFile, MeshParts, NamedMesh, Object, SceneMesh, SceneNode, is_hulls_file,
+    Format, HullFormat, MeshFile, MeshParts, NamedMesh, Object, SceneMesh, SceneNode,
+    is_hulls_file, is_mesh_output, mesh_suffix_list,
 };
 #[cfg(feature = "meshes")]
 pub use notes::{Note, NoteKind, sum_notes};
@@ -100,7 +103,9 @@ pub use read::{
     read_scene_from_bytes,
 };
 #[cfg(feature = "meshes")]
-pub use write::{check_output, hulls_to_bytes, write_hulls, write_meshes};
+pub use write::{check_output, hulls_to_bytes, write_hulls};
+#[cfg(feature = "meshes")]
+pub use write_meshes::{check_mesh_output, write_meshes};
 
 /// The examples of the README run.
 #[cfg(doctest)]

@@ -96,6 +96,22 @@ impl HullFormat {
     }
 }
 
+/// Suffixes of files that meshes are written to.
+const MESH_SUFFIXES: [&str; 5] = ["obj", "glb", "off", "ply", "stl"];
+
+/// Whether a file name's suffix is one that meshes can be written to, in upper or lower case.
+pub fn is_mesh_output(path: impl AsRef<Path>) -> bool {
+    let is_written = |suffix: &std::ffi::OsStr| {
+        MESH_SUFFIXES.iter().any(|written| suffix.eq_ignore_ascii_case(written))
+    };
+    path.as_ref().extension().is_some_and(is_written)
+}
+
+/// The suffixes of all formats that meshes can be written in, for a message.
+pub fn mesh_suffix_list() -> String {
+    or_list(MESH_SUFFIXES.iter().map(|suffix| format!(".{suffix}")))
+}
+
 /// Words as in "a, b or c".
 fn or_list(words: impl Iterator<Item = String>) -> String {
     let words: Vec<String> = words.collect();

@@ -8,7 +8,7 @@ use hullwright::{Error, MeshView};
 use serde_json::{Value, json};
 
 use super::gltf::GLB_HEADER;
-use super::mesh_file::{HullFormat, NamedMesh, is_hulls_file};
+use super::mesh_file::{HullFormat, is_hulls_file};
 use crate::atomic_write::{directory, write_file};
 use crate::palette::{colour, linear};
 use crate::vector::{Vector, bounds};
@@ -54,24 +54,6 @@ pub fn write_hulls<'a, H: Into<MeshView<'a>>>(
     write_file(path, &bytes)
 }
 
-/// Writes meshes to a file, in the formats of [`write_hulls`]: an object or a node for each, with
-/// its name, and without a colour in OBJ. A file that is already there is replaced; if anything
-/// goes wrong it stays as it was. Coordinates of OBJ are read back as the same `f64`; those of GLB
-/// are `f32` relative to the centre of all, so that they are rounded by up to 0.00001 % of the
-/// extent.
-///
-/// # Errors
-/// As [`write_hulls`].
-pub fn write_meshes(path: impl AsRef<Path>, meshes: &[NamedMesh]) -> Result<(), Error> {
-    let path = path.as_ref();
-    let named = || meshes.iter().map(|mesh| (mesh.name.replace(['\n', '\r'], " "), mesh.into()));
-    let bytes = match output_format(path)? {
-        HullFormat::Obj => Ok(obj_of(named()).into_bytes()),
-        HullFormat::Glb => glb_of("meshes", named().collect()),
-    };
-    write_file(path, &bytes.map_err(|reason| Error::file(path, reason))?)
-}
-
 /// The bytes that [`write_hulls`] would write.
 ///
 /// # Errors
@@ -111,6 +93,11 @@ pub fn check_output(path: impl AsRef<Path>) -> Result<(), Error> {
     if !is_hulls_file(path) {
         output_format(path)?;
     }
+    check_directory(path)
+}
+
+/// An error where there is no folder for a file.
+pub(super) fn check_directory(path: &Path) -> Result<(), Error> {
     let directory = directory(path);
     if directory.is_dir() {
         Ok(())
@@ -127,7 +114,7 @@ fn output_format(path: &Path) -> Result<HullFormat, Error> {
 }
 
 /// Named meshes as [`write_hulls`](super::write_hulls) describes.
-fn obj_of<'a>(meshes: impl Iterator<Item = (String, MeshView<'a>)>) -> String {
+pub(super) fn obj_of<'a>(meshes: impl Iterator<Item = (String, MeshView<'a>)>) -> String {
     let mut text = String::new();
     let mut first_vertex = 1;
     for (name, hull) in meshes {
@@ -161,7 +148,7 @@ pub(super) const MOST_SHORT_INDICES: usize = 65_535;
 /// Named meshes as [`write_hulls`](super::write_hulls) describes. There are no normals, so that
 /// viewers shade the faces flat. The error, in words, is a file of more than 4 GiB or a coordinate
 /// that is too large for `f32`.
-fn glb_of(top: &str, meshes: Vec<(String, MeshView<'_>)>) -> Result<Vec<u8>, String> {
+pub(super) fn glb_of(top: &str, meshes: Vec<(String, MeshView<'_>)>) -> Result<Vec<u8>, String> {
     // Rounded first, since what is taken off each vertex must be what the node adds.
     let centre = centre(&meshes).as_vec3().to_array();
     let mut parts = Parts::default();

@@ -46,6 +46,7 @@
 //! | a mesh of several materials or primitives, and its hulls | what each hull is made of | [`part_shares()`] |
 //! | a mesh and its hulls | fragments to draw and to move, one for each hull | [`break_apart()`] |
 //! | a level, or any mesh that never moves | few triangles within a bound | [`simplify_surface()`] |
+//! | two surfaces, one of which stands for the other | how far they are from each other at most | [`surface_distances()`] |
 //! | a mesh | mass, centre and inertia; a report on its defects | [`mass_properties()`]; [`inspect`] |
 //! | hulls | a file that games load | [`hulls_format`]; `hullwright_formats::bake` for a scene |
 //! | a mesh, Rapier or Bevy | a collider with the mesh's mass | the crates `hullwright_rapier`, `bevy_hullwright` |
@@ -154,7 +155,8 @@ pub use method::{Method, MethodReport, single_hull};
 pub use parameters::{Length, Openings, Parameters, ParseError, Preset, UpAxis};
 pub use part_shares::{PartShare, part_shares};
 pub use simplify_surface::{
-    SimplifiedSurface, SimplifyParameters, SimplifyReport, simplify_surface,
+    HiddenTriangles, MeasuredSurface, SimplifiedSurface, SimplifyParameters, SimplifyReport,
+    SurfaceDistance, SurfaceDistances, simplify_surface, surface_distances,
 };
 
 /// The examples of the README run.

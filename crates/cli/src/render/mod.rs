@@ -93,10 +93,10 @@ pub fn render_with(
             height: panel_height,
         };
         if shares_frame(panel) {
-            draw_panel(&mut picture, &place, parts, &shared, &layout.view);
+            draw_panel(&mut picture, &place, parts, &shared, layout);
         } else {
             let own: Vec<Vector> = moved_points(parts).collect();
-            draw_panel(&mut picture, &place, parts, &own, &layout.view);
+            draw_panel(&mut picture, &place, parts, &own, layout);
         }
     }
     Ok(picture)
@@ -120,14 +120,14 @@ fn draw_panel(
     place: &Place,
     parts: &[(&Part, Vector)],
     frame: &[Vector],
-    view: &View,
+    layout: &Layout,
 ) {
     // So many panels that none has a pixel.
     if place.width == 0 || place.height == 0 {
         return;
     }
     let (width, height) = (place.width * SUPERSAMPLING, place.height * SUPERSAMPLING);
-    let camera = Camera::facing(frame.iter().copied(), view);
+    let camera = Camera::facing(frame.iter().copied(), &layout.view);
     let seen = frame.iter().map(|point| camera.see(*point));
     let projection = Projection::fitting(camera, seen, width, height);
     let mut triangles = Vec::new();
@@ -139,7 +139,8 @@ fn draw_panel(
     }
     let samples = rasterize(&triangles, &projection, width, height);
     let colours = parts.iter().map(|(part, _)| part.colour);
-    let shader = Shader::new(&samples, &triangles, &projection, colours);
+    let mut shader = Shader::new(&samples, &triangles, &projection, colours);
+    shader.wires = layout.wires;
     let mut pixels = vec![BACKGROUND; place.width * place.height];
     let draw_row = |(row, line): (usize, &mut [Colour])| {
         for (column, pixel) in line.iter_mut().enumerate() {

@@ -165,6 +165,8 @@ pub struct Layout {
     /// Whether each panel is fitted on its own. Otherwise all panels that are not exploded are
     /// shown at the same scale, so that they can be compared.
     pub separate_frames: bool,
+    /// Whether the edges of all triangles are drawn, not only creases.
+    pub wires: bool,
     /// Where the viewer stands, for all panels.
     pub view: View,
 }

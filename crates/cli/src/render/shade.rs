@@ -47,6 +47,9 @@ const OUTLINE: f64 = 0.42;
 /// Darkening along a crease at a right angle or sharper.
 const CREASE: f64 = 0.30;
 
+/// Darkening along the edges of all triangles, where they are drawn.
+const WIRE: f64 = 0.38;
+
 /// Cosines of the angles between normals (6 and 50 degrees) from which a crease begins to show
 /// and at which it is drawn in full.
 const CREASE_COSINES: (f64, f64) = (0.9945, 0.643);
@@ -64,6 +67,8 @@ pub(super) struct Shader<'a> {
     background: [f64; 3],
     towards_light: Vector,
     probes: Vec<[[f64; 2]; OCCLUSION_PROBES]>,
+    /// Whether the edges of all triangles are drawn.
+    pub wires: bool,
 }
 
 impl<'a> Shader<'a> {
@@ -82,6 +87,7 @@ impl<'a> Shader<'a> {
             background: light(BACKGROUND),
             towards_light: TOWARDS_LIGHT.normalize_or_zero(),
             probes: probes(),
+            wires: false,
         }
     }
 
@@ -185,7 +191,8 @@ impl<'a> Shader<'a> {
                     if behind > STEP && other_point[2] < point[2] {
                         OUTLINE
                     } else {
-                        CREASE * crease(triangle.normal.dot(other.normal))
+                        let wire = if self.wires { WIRE } else { 0.0 };
+                        wire.max(CREASE * crease(triangle.normal.dot(other.normal)))
                     }
                 }
             };

@@ -68,6 +68,18 @@ fn the_three_faces_of_a_box_have_three_shades() {
 }
 
 #[test]
+fn edges_within_a_face_are_drawn_on_demand() {
+    let mesh = box_mesh([1.0; 3]);
+    let dark = |wires: bool| {
+        let layout = Layout { wires, ..Layout::default() };
+        let picture = render_with(&[panel(&mesh, palette::CLAY)], 120, 120, &layout).unwrap();
+        let light = |pixel: &Colour| pixel.iter().map(|&channel| u64::from(channel)).sum::<u64>();
+        picture.pixels().iter().map(light).sum::<u64>()
+    };
+    assert!(dark(true) < dark(false));
+}
+
+#[test]
 fn panels_stand_side_by_side() {
     let mesh = box_mesh([1.0; 3]);
     let picture = render(&[Panel::default(), panel(&mesh, RED)], 120, 60).unwrap();

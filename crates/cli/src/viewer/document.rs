@@ -7,13 +7,14 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use flate2::Compression;
 use flate2::write::ZlibEncoder;
+use hullwright::UpAxis;
 use hullwright::measure::FilledSurface;
 use hullwright::openings::{ClosedMesh, Opening};
 use hullwright_formats::Object;
 use hullwright_formats::palette::{BALL, CAP, CLAY, Colour, FILLED, colour};
 use serde::Serialize;
 
-use super::subject::Subject;
+use super::subject::{Frame, Subject};
 use crate::{Vector, bounds};
 
 /// The viewer, as `npm run build` in `viewer/` makes it. The data comes before [`PLACE`].
@@ -40,6 +41,8 @@ pub(super) struct Document {
     mesh: MeshEntry,
     /// With a probe, unless nothing is filled.
     filled: Option<FilledEntry>,
+    /// Whether the one set is a surface that stands for the mesh, whose last triangles are hidden.
+    is_simplified: bool,
     openings: Vec<Opening>,
     /// The names of the mesh's parts.
     names: Vec<String>,
@@ -50,15 +53,24 @@ pub(super) struct Document {
 }
 
 #[derive(Debug, Serialize)]
-struct MeshEntry {
+pub(super) struct MeshEntry {
     /// As they came.
-    source_vertices: usize,
-    source_triangles: usize,
-    /// How many of the triangles, the last ones, close openings.
-    caps: usize,
-    positions: Points,
-    triangles: Array,
-    divisions: Array,
+    pub source_vertices: usize,
+    pub source_triangles: usize,
+    /// How many of the triangles, the last ones, close openings, or are hidden.
+    pub caps: usize,
+    pub positions: Points,
+    pub triangles: Array,
+    pub divisions: Array,
+}
+
+/// What lengths are measured by, and which axis points up.
+pub(super) struct Scale {
+    /// In the mesh's units.
+    pub diagonal: f64,
+    /// As a fraction of it.
+    pub bound: f64,
+    pub up: UpAxis,
 }
 
 /// The surface of what a probe does not reach, and the probe.
@@ -134,22 +146,33 @@ impl Document {
             source_vertices: subject.source.vertex_count(),
             source_triangles: subject.source.triangles().len(),
             caps: *caps,
-            positions: geometry.push_points(points, subject),
+            positions: geometry.push_points(points, &subject.frame()),
             triangles: geometry.push_u32(surface.triangles.iter().flatten().copied()),
             divisions: geometry.push_u8(subject.divisions.iter().copied()),
         };
+        let scale = Scale {
+            diagonal: subject.mesh.diagonal(),
+            bound: subject.bound(),
+            up: subject.parameters.up_axis,
+        };
+        Self { openings: openings.clone(), ..Self::of_mesh(title, mesh, &scale) }
+    }
+
+    /// About a mesh alone.
+    pub(super) fn of_mesh(title: String, mesh: MeshEntry, scale: &Scale) -> Self {
         Self {
             title,
             program: concat!("hullwright ", env!("CARGO_PKG_VERSION")),
-            diagonal: subject.mesh.diagonal(),
-            bound: subject.bound(),
-            up: subject.parameters.up_axis.name(),
+            diagonal: scale.diagonal,
+            bound: scale.bound,
+            up: scale.up.name(),
             colours: (0..COLOURS).map(colour).collect(),
             clay: CLAY,
             cap: CAP,
             mesh,
             filled: None,
-            openings: openings.clone(),
+            is_simplified: false,
+            openings: Vec::new(),
             names: Vec::new(),
             sets: Vec::new(),
             objects: Vec::new(),
@@ -172,9 +195,15 @@ impl Document {
             radius: radius.of_diagonal(diagonal) / diagonal,
             colour: FILLED,
             ball: BALL,
-            positions: geometry.push_points(points, subject),
+            positions: geometry.push_points(points, &subject.frame()),
             triangles: geometry.push_u32(mesh.triangles.iter().flatten().copied()),
         });
+    }
+
+    /// The set stands for the mesh.
+    pub(super) fn show_simplified(&mut self, set: SetEntry) {
+        self.is_simplified = true;
+        self.sets.push(set);
     }
 
     /// A single part is the whole, and is not worth a word.
@@ -260,9 +289,9 @@ impl Geometry {
     pub(super) fn push_points(
         &mut self,
         points: impl Iterator<Item = Vector>,
-        subject: &Subject<'_>,
+        frame: &Frame,
     ) -> Points {
-        let points: Vec<Vector> = points.map(|point| subject.normalized(point)).collect();
+        let points: Vec<Vector> = points.map(|point| frame.normalized(point)).collect();
         let (mut min, max) = bounds(points.iter().copied());
         if points.is_empty() {
             min = Vector::ZERO;

@@ -123,7 +123,7 @@ pub(super) fn shown(
         hulls: entries.collect(),
         joins: joined,
         states,
-        positions: geometry.push_points(positions, subject),
+        positions: geometry.push_points(positions, &subject.frame()),
         triangles: geometry.push_u32(triangles),
         divisions: geometry.push_u8(divisions),
         protrusion_most,

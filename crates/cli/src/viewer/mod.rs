@@ -28,12 +28,14 @@
 //! |---|---|
 //! | `subject` | the mesh: repaired, its openings closed, its surface sampled |
 //! | `errors` | uncovered distance and overlap, join after join |
+//! | `simplified` | a page about a mesh and a surface with fewer triangles |
 //! | `hull_set` | hulls and all that they are joined to: shapes, figures, errors point by point |
 //! | `document` | what the page reads, and how it is put into the page |
 
 mod document;
 mod errors;
 mod hull_set;
+mod simplified;
 mod subject;
 
 use std::path::Path;
@@ -46,6 +48,7 @@ use document::{Document, Geometry};
 use subject::Subject;
 
 pub use hull_set::{HullSet, hulls_of};
+pub use simplified::{Simplified, SimplifiedPage};
 
 /// A page about one mesh. See the [module](self).
 pub struct Page<'a> {

@@ -48,14 +48,27 @@ impl<'a> Subject<'a> {
         self.parameters.max_error.of_diagonal(diagonal) / diagonal
     }
 
-    /// A point as the page has it: relative to the centre, as a fraction of the diagonal.
-    pub(super) fn normalized(&self, point: Vector) -> Vector {
-        (point - Vector::from(self.mesh.centre())) * (1.0 / self.mesh.diagonal())
+    /// The space of the page.
+    pub(super) fn frame(&self) -> Frame {
+        Frame { centre: self.mesh.centre().into(), diagonal: self.mesh.diagonal() }
     }
 
     /// How far a point in units is outside of the solid, as a fraction of the diagonal.
     pub(super) fn distance(&self, point: Vector) -> f64 {
         self.mesh.distance(point.to_array()) / self.mesh.diagonal()
+    }
+}
+
+/// The space of the page, in the mesh's units.
+pub(super) struct Frame {
+    pub centre: Vector,
+    pub diagonal: f64,
+}
+
+impl Frame {
+    /// A point as the page has it: relative to the centre, as a fraction of the diagonal.
+    pub(super) fn normalized(&self, point: Vector) -> Vector {
+        (point - self.centre) * (1.0 / self.diagonal)
     }
 }
 

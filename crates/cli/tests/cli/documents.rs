@@ -58,6 +58,7 @@ fn the_documented_keys_are_those_that_are_printed() {
         ),
         ("curve", &[&["curve", &solid]]),
         ("measure", &[&["measure", &solid, "hulls.obj"]]),
+        ("measure --surface", &[&["measure", &solid, &open, "--surface"]]),
         ("simplify", &[&["simplify", &solid]]),
     ] {
         let mut printed = BTreeSet::new();

@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use crate::{Place, value};
+use crate::{Place, asset, value};
 
 /// Corners of a box from 0 to the given size, after `base` other vertices of the file.
 fn cuboid(size: [f64; 3], base: usize) -> String {
@@ -93,4 +93,82 @@ fn a_file_without_hulls_is_named_in_one_line() {
     let place = place("v 0 0 0\nv 0 0 0\nv 0 0 0\nf 1 2 3\n", &cube);
     assert!(place.fail(&MEASURE, 1).contains("mesh.obj"));
     place.fail(&["measure", "does_not_exist.obj", "does_not_exist.obj"], 1);
+}
+
+const SURFACE: [&str; 4] = ["measure", "mesh.obj", "hulls.obj", "--surface"];
+
+#[test]
+fn two_surfaces_are_measured_both_ways() {
+    let place = place(&cuboid([3.0, 4.0, 0.0], 0), &cuboid([3.0, 2.0, 0.0], 0));
+    let shown = place.succeed(&SURFACE);
+    assert_eq!(value(&shown, "triangles of the mesh"), "12");
+    assert_eq!(value(&shown, "triangles of the result"), "12");
+    assert_eq!(value(&shown, "diagonal of the mesh"), "5.000");
+    let far = value(&shown, "mesh from result, at most");
+    assert!(
+        far.starts_with("2.0") && far.ends_with(" % of the diagonal), at least 2.000"),
+        "{far}"
+    );
+    assert_eq!(value(&shown, "resolution"), "1 % of a distance");
+    let json = place.json(&SURFACE);
+    let number = |key: &str| json[key].as_f64().unwrap();
+    assert!((2.0..2.02).contains(&number("to_source")), "{json}");
+    assert!(number("from_source") < 1e-10, "{json}");
+    assert_eq!((number("source_triangles"), number("triangles")), (12.0, 12.0));
+}
+
+#[test]
+fn a_simplified_file_is_within_the_bound_that_it_was_made_with() {
+    let place = Place::new(&[]);
+    let model = asset("props.glb");
+    let made = place.json(&["simplify", &model, "--max-error", "1%", "-o", "out.glb"]);
+    let found = place.json(&["measure", &model, "out.glb", "--surface"]);
+    // Coordinates of a GLB are rounded.
+    let most = made["bound"].as_f64().unwrap() * (1.0 + 1e-5);
+    for key in ["from_source", "to_source"] {
+        let (found, made) = (found[key].as_f64().unwrap(), made[key].as_f64().unwrap());
+        assert!(found <= most && found <= 1.02 * made + 1e-5 * most, "{key}: {found}, {made}");
+    }
+    for key in ["source_triangles", "triangles", "hidden_triangles"] {
+        assert_eq!(found[key], made[key], "{key}");
+    }
+}
+
+#[test]
+fn hidden_triangles_are_left_out_and_counted_unless_they_are_kept() {
+    let floor = cuboid([4.0, 4.0, 4.0], 0);
+    // From 1 to 2 along each axis.
+    let moved = |line: &str| match line.strip_prefix("v ") {
+        Some(place) => format!("v {}\n", place.replace('1', "2").replace('0', "1")),
+        None => format!("{line}\n"),
+    };
+    let sunk: String = cuboid([1.0; 3], 8).lines().map(moved).collect();
+    let place = place(&(floor.clone() + &sunk), &floor);
+    let shown = place.succeed(&SURFACE);
+    assert_eq!(value(&shown, "triangles of the mesh"), "24, of them 12 hidden");
+    assert!(value(&shown, "mesh from result, at most").contains("(0.0000 %"), "{shown}");
+    let kept = place.json(&[&SURFACE[..], &["--keep-hidden"]].concat());
+    assert_eq!(kept["hidden_triangles"], 0);
+    assert!(kept["to_source"].as_f64().unwrap() > 0.9, "{kept}");
+}
+
+#[test]
+fn surfaces_that_can_not_be_measured_are_named_in_one_line() {
+    let (cube, nothing) = (cuboid([1.0; 3], 0), "v 0 0 0\nv 0 0 0\nv 0 0 0\nf 1 2 3\n");
+    let empty = "v 0 0 0\n";
+    for wrong in [nothing, empty, "no mesh at all"] {
+        let error = place(&cube, wrong).fail_in_one_line(&SURFACE, 1);
+        assert!(error.contains("hulls.obj"), "{error}");
+        let error = place(wrong, &cube).fail_in_one_line(&SURFACE, 1);
+        assert!(error.contains("mesh.obj"), "{error}");
+    }
+    let place = place(&cube, &cuboid([100.0; 3], 0));
+    place.fail(&["measure", "mesh.obj", "does_not_exist.obj", "--surface"], 1);
+    for option in [&["--max-error", "1%"][..], &["--openings", "keep"], &["--probe-radius", "1%"]] {
+        place.fail(&[&SURFACE[..], option].concat(), 2);
+    }
+    place.fail(&["measure", "mesh.obj", "hulls.obj", "--keep-hidden"], 2);
+    // Another unit.
+    let warning = place.fail(&SURFACE, 0);
+    assert!(warning.starts_with("warning: ") && warning.contains("units or places"), "{warning}");
 }

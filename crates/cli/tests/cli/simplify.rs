@@ -42,6 +42,18 @@ fn json_has_counts_and_distances_within_the_bound() {
 }
 
 #[test]
+fn the_result_is_written_in_every_format() {
+    let place = Place::new(&[("level.obj", &square())]);
+    for suffix in ["obj", "glb", "off", "ply", "stl"] {
+        let name = format!("out.{suffix}");
+        place.succeed(&["simplify", "level.obj", "--max-error", "0.02m", "-o", &name]);
+        let found = place.json(&["measure", "level.obj", &name, "--surface"]);
+        assert_eq!(found["triangles"], 3, "{suffix}");
+        assert!(found["to_source"].as_f64().unwrap() < 1e-6, "{suffix}");
+    }
+}
+
+#[test]
 fn the_number_of_threads_does_not_matter() {
     let place = Place::new(&[]);
     let model = asset("props.glb");
@@ -59,6 +71,7 @@ fn wrong_usage_is_refused_before_any_work() {
         &["simplify", "level.obj", "--max-error", "-1%"],
         &["simplify", "level.obj", "--max-error", "2"],
         &["simplify", "level.obj", "-o", "out.hulls"],
+        &["simplify", "level.obj", "-o", "out.gltf"],
         &["simplify", "level.obj", "-o", "level.obj"],
     ] {
         assert_eq!(place.run(arguments).status.code(), Some(2), "{arguments:?}");

@@ -103,3 +103,63 @@ fn a_picture_has_a_row_of_three_panels_for_each_method() {
     place.succeed(&["view", &mesh, "-o", "two.PNG", "--compare", "surface"]);
     assert_eq!((size("one.png"), size("two.PNG")), ((1500, 500), (1500, 1000)));
 }
+
+#[test]
+fn a_simplified_mesh_is_shown_before_and_after() {
+    let (place, mesh) = (Place::new(&[]), asset("props.glb"));
+    let made = place.json(&["simplify", &mesh, "--max-error", "1%", "-o", "out.glb"]);
+    let (html, data) = page(&place, &mesh, &["--simplified", "--max-error", "1%"]);
+    assert!(html.len() < 2 << 20, "{} bytes", html.len());
+    assert_eq!(data["is_simplified"], true);
+    assert_eq!(data["bound"], 0.01);
+    assert_eq!(data["mesh"]["source_triangles"], made["source_triangles"]);
+    assert_eq!(data["mesh"]["caps"], made["hidden_triangles"]);
+    let set = &data["sets"][0];
+    assert_eq!(set["name"], "simplified, 1%");
+    assert_eq!(set["hulls"][0]["triangles"], made["triangles"]);
+    let number = |value: &Value| value.as_f64().unwrap();
+    for (figure, key) in [("protrusion", "from_source"), ("uncovered", "to_source")] {
+        let length = number(&set["states"][0][figure]) * number(&data["diagonal"]);
+        assert!(length <= number(&made[key]) * (1.0 + 1e-9), "{figure}: {length}, {made}");
+    }
+    // Those of points are below the bounds for all.
+    assert!(number(&set["protrusion_most"]) <= number(&set["states"][0]["protrusion"]));
+    assert!(number(&set["uncovered"]["most"]) <= number(&set["states"][0]["uncovered"]));
+
+    let (_, other) = page(&place, &mesh, &["--simplified=out.glb"]);
+    assert_eq!(other["sets"][0]["name"], "out.glb");
+    assert_eq!(other["sets"][0]["hulls"][0]["triangles"], made["triangles"]);
+}
+
+#[test]
+fn a_simplified_mesh_is_drawn_beside_the_mesh() {
+    let (place, mesh) = (Place::new(&[]), asset("mug.glb"));
+    let shown = place.succeed(&["view", &mesh, "--simplified", "-o", "mug.png"]);
+    assert!(shown.starts_with("wrote mug.png: simplified, 0.5%: "), "{shown}");
+    assert!(shown.contains(" of 1020 triangles, within 0."), "{shown}");
+    let bytes = std::fs::read(place.path("mug.png")).unwrap();
+    let reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info().unwrap();
+    assert_eq!((reader.info().width, reader.info().height), (1800, 900));
+}
+
+#[test]
+fn what_has_no_effect_on_a_simplified_mesh_is_refused() {
+    let (place, mug) = (Place::new(&[("empty.obj", "v 0 0 0\n")]), asset("mug.glb"));
+    for option in [
+        &["--compare", "surface"][..],
+        &["--hulls", "hulls.obj"],
+        &["--no-merge"],
+        &["--method", "hull"],
+        &["--max-vertices", "8"],
+        &["--max-hulls", "3"],
+        &["--openings", "keep"],
+        &["--max-error", "0%"],
+    ] {
+        place.fail(&[&["view", &mug, "--simplified"], option].concat(), 2);
+    }
+    place.fail(&["view", &mug, "--keep-hidden"], 2);
+    let error = place.fail_in_one_line(&["view", &mug, "--simplified=empty.obj"], 1);
+    assert!(error.contains("empty.obj"), "{error}");
+    let error = place.fail_in_one_line(&["view", "empty.obj", "--simplified"], 1);
+    assert!(error.contains("empty.obj"), "{error}");
+}

@@ -4,7 +4,9 @@ use std::path::PathBuf;
 
 use hullwright::TriangleMesh;
 use hullwright_formats::palette::{colour, linear};
-use hullwright_formats::{NamedMesh, check_output, read_hulls, read_mesh, write_hulls};
+use hullwright_formats::{
+    NamedMesh, check_mesh_output, check_output, read_hulls, read_mesh, write_hulls, write_meshes,
+};
 
 use crate::glb::parts;
 
@@ -138,4 +140,47 @@ fn what_fails_leaves_the_old_file_alone() {
     std::fs::create_dir(&taken).unwrap();
     assert!(write_hulls(&taken, &two_hulls()).is_err());
     assert_eq!(std::fs::read_dir(directory.path()).unwrap().count(), 2);
+}
+
+/// The corners of all triangles.
+fn corners(mesh: &TriangleMesh) -> Vec<[f64; 3]> {
+    mesh.triangles.iter().flatten().map(|vertex| mesh.positions[*vertex as usize]).collect()
+}
+
+#[test]
+fn meshes_in_text_are_read_back_bit_for_bit() {
+    let directory = tempfile::tempdir().unwrap();
+    let mut meshes = two_hulls();
+    meshes[0].name = "roof of\na house".into();
+    meshes[1].name = "floor".into();
+    let all: Vec<[f64; 3]> = meshes.iter().flat_map(|named| corners(&named.mesh)).collect();
+    for (suffix, names) in [
+        ("obj", &["roof of a house", "floor"][..]),
+        ("stl", &["roof of a house", "floor"]),
+        ("off", &[""]),
+        ("PLY", &[""]),
+    ] {
+        let path = directory.path().join(format!("meshes.{suffix}"));
+        check_mesh_output(&path).unwrap();
+        write_meshes(&path, &meshes).unwrap();
+        let file = read_mesh(&path).unwrap();
+        assert_eq!(corners(&file.mesh), all, "{suffix}");
+        assert!(file.notes.is_empty(), "{suffix}: {:?}", file.notes);
+        let read: Vec<&str> = file.objects.iter().map(|object| object.name.as_str()).collect();
+        assert_eq!(read, names, "{suffix}");
+    }
+}
+
+#[test]
+fn meshes_are_not_written_to_other_suffixes_or_missing_directories() {
+    let directory = tempfile::tempdir().unwrap();
+    for name in ["mesh", "mesh.gltf", "mesh.hulls"] {
+        let path = directory.path().join(name);
+        let error = write_meshes(&path, &two_hulls()).unwrap_err().to_string();
+        assert!(error.contains(".obj, .glb, .off, .ply or .stl"), "{error}");
+        assert_eq!(check_mesh_output(&path).unwrap_err().to_string(), error);
+    }
+    let missing = directory.path().join("missing").join("mesh.ply");
+    assert!(check_mesh_output(&missing).unwrap_err().to_string().contains("does not exist"));
+    assert_eq!(std::fs::read_dir(directory.path()).unwrap().count(), 0);
 }

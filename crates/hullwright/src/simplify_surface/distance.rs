@@ -13,7 +13,7 @@ use crate::geometry::vector::{Vector, larger};
 
 /// A part smaller than this fraction of the length whose centre does not decide it is beyond the
 /// length: it is as good as that far away.
-const LEAST_RADIUS: f64 = 0.02;
+const RESOLUTION: f64 = 0.02;
 
 /// A part whose centre is no deeper than this over a triangle, in the pipeline's space, is not cut
 /// by its sides: rounding would leave the same sliver again and again.
@@ -31,11 +31,20 @@ pub(super) struct Target<'a> {
     tree: Bvh,
     points: &'a [Vector],
     triangles: &'a [[u32; 3]],
+    resolution: f64,
+    /// Whether large parts are halved before triangles are cut out of them.
+    is_careful: bool,
 }
 
 /// Memory of measurements.
 #[derive(Default)]
 pub(super) struct Parts {
+    /// The greatest distance that a point had: a lower bound.
+    pub seen: f64,
+    /// How many parts a triangle may have, if they are fewer than usual.
+    pub most: Option<usize>,
+    /// Whether the last triangle had more.
+    pub are_spent: bool,
     /// Polygons one after another, and how many corners each has.
     corners: Vec<Vector>,
     counts: Vec<usize>,
@@ -65,7 +74,18 @@ impl Parts {
 
 impl<'a> Target<'a> {
     pub(super) fn new(tree: Bvh, points: &'a [Vector], triangles: &'a [[u32; 3]]) -> Self {
-        Self { tree, points, triangles }
+        Self { tree, points, triangles, resolution: RESOLUTION, is_careful: false }
+    }
+
+    /// The same, where a length that is not shown is that close to the distance: a fraction of it.
+    /// What lies over many triangles takes fewer parts.
+    pub(super) fn with_resolution(self, resolution: f64) -> Self {
+        Self { resolution, is_careful: true, ..self }
+    }
+
+    /// How far a point is from the surface.
+    pub(super) fn distance(&self, point: Vector) -> Option<f64> {
+        Some(self.tree.closest_point(point, f64::INFINITY)?.distance)
     }
 
     /// The triangle that is closest to a point.
@@ -100,8 +120,10 @@ impl<'a> Target<'a> {
         parts.outside.extend(corners);
         parts.push();
         let (mut farthest, mut guess) = (0.0, guess);
-        let mut left = MAX_PARTS;
+        let mut left = parts.most.unwrap_or(MAX_PARTS);
+        parts.are_spent = false;
         while parts.pop() {
+            parts.are_spent = left == 0;
             left = left.checked_sub(1)?;
             let centre = parts.part.iter().fold(Vector::ZERO, |sum, &corner| sum + corner)
                 * (1.0 / parts.part.len() as f64);
@@ -110,6 +132,7 @@ impl<'a> Target<'a> {
             if parts.used.last() != Some(&guess) {
                 parts.used.push(guess);
             }
+            parts.seen = larger(parts.seen, closest.distance);
             // A distance that is not a number is beyond the limit, too.
             let is_within = closest.distance <= limit;
             if !is_within {
@@ -125,15 +148,26 @@ impl<'a> Target<'a> {
                 farthest = larger(farthest, closest.distance + radius);
                 continue;
             }
-            if radius <= LEAST_RADIUS * limit {
+            if radius <= self.resolution * limit {
                 return None;
             }
-            match self.cut_out(centre, guess, limit, parts) {
+            // A part that is cut in its whole length by each of many small triangles falls into the
+            // square of their number.
+            let is_large = self.is_careful && radius > self.extent(guess);
+            let cut = if is_large { None } else { self.cut_out(centre, guess, limit, parts) };
+            match cut {
                 Some(most) => farthest = larger(farthest, most),
                 None => halve(centre, parts),
             }
         }
         Some(farthest)
+    }
+
+    /// The longest side of a triangle.
+    fn extent(&self, triangle: u32) -> f64 {
+        let Some(corners) = self.triangles.get(triangle as usize) else { return 0.0 };
+        let [a, b, c] = corners.map(|vertex| self.points[vertex as usize]);
+        larger(larger(a.distance(b), b.distance(c)), c.distance(a))
     }
 
     /// The greatest distance of corners from one triangle.

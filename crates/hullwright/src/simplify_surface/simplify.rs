@@ -16,7 +16,7 @@ use crate::parameters::{Length, check_positive};
 
 /// What is taken off the bound and added to distances, as a fraction of the diagonal: more than the
 /// rounding of what is measured.
-const ROUNDING: f64 = 1e-12;
+pub(super) const ROUNDING: f64 = 1e-12;
 
 /// How a surface is simplified. A [`Length`] converts into the defaults with that bound.
 #[non_exhaustive]
@@ -241,7 +241,7 @@ fn compare_places(a: [f64; 3], b: [f64; 3]) -> Ordering {
 }
 
 /// For each repaired triangle whether repair has turned it around.
-fn turned(mesh: MeshView<'_>, prepared: &PreparedMesh) -> Vec<bool> {
+pub(super) fn turned(mesh: MeshView<'_>, prepared: &PreparedMesh) -> Vec<bool> {
     let normal = |[a, b, c]: [Vector; 3]| area_normal(a, b, c);
     let repaired = prepared.mesh.triangles.iter().map(|&t| normal(prepared.mesh.corners(t)));
     let given = prepared.source_triangles.iter().map(|&triangle| {

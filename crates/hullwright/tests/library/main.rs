@@ -15,3 +15,4 @@ mod mass_reference;
 mod measure;
 mod old_files;
 mod simplify_surface;
+mod surface_distances;
