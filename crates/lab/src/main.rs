@@ -17,6 +17,7 @@ mod fragments;
 mod independent;
 #[cfg(test)]
 mod independent_tests;
+mod level;
 mod paper;
 mod pictures;
 mod reach;
@@ -54,6 +55,7 @@ enum Command {
     Floor(floor::Arguments),
     Concavity(concavity::Arguments),
     Stages(stages::Arguments),
+    Level(level::Arguments),
     Gallery(gallery::Arguments),
     Pictures(pictures::Arguments),
     Assets(assets::Arguments),
@@ -73,6 +75,7 @@ fn main() -> ExitCode {
         Command::Floor(arguments) => floor::run(&arguments),
         Command::Concavity(arguments) => concavity::run(&arguments),
         Command::Stages(arguments) => stages::run(&arguments),
+        Command::Level(arguments) => level::run(&arguments),
         Command::Gallery(arguments) => gallery::run(&arguments),
         Command::Pictures(arguments) => pictures::run(&arguments),
         Command::Assets(arguments) => assets::run(&arguments),

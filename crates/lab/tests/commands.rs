@@ -225,3 +225,57 @@ fn a_folder_without_the_tables_is_one_line_on_standard_error() {
     }
     assert_eq!(lab(&["no-such-command"]).status.code(), Some(2));
 }
+
+#[test]
+fn a_level_is_drawn_from_its_seed_and_simplified_within_the_bound() {
+    let place = Place::new();
+    let level = |name: &str, seed: &str| {
+        let file = place.root.path().join(name);
+        let assets = concat!(env!("CARGO_MANIFEST_DIR"), "/../../assets");
+        let size = ["--props", "30", "--terrain-triangles", "5000", "--bodies", "20"];
+        let rest = ["--balls", "100", "--seed", seed, "--write", file.to_str().unwrap()];
+        let all = [&["level", assets, "-o", &place.report], &size[..], &rest].concat();
+        let output = lab(&all);
+        assert!(output.status.success(), "{}", errors(&output));
+        std::fs::read(file).unwrap()
+    };
+    let first = level("first.glb", "7");
+    assert_ne!(first, level("other.glb", "8"));
+    assert_eq!(first, level("again.glb", "7"));
+    let file = gltf::Gltf::from_slice(&first).unwrap();
+    assert_eq!(file.nodes().filter(|node| node.mesh().is_some()).count(), 30 + 256);
+    assert!(file.meshes().len() < 30 + 256, "props share meshes");
+    let corners: usize = file
+        .nodes()
+        .filter_map(|node| node.mesh())
+        .map(|mesh| {
+            mesh.primitives()
+                .filter_map(|part| part.indices())
+                .map(|list| list.count())
+                .sum::<usize>()
+        })
+        .sum();
+
+    let summary = place.summary();
+    let rows = |table: usize| summary["tables"][table]["rows"].as_array().unwrap();
+    let row = |what: &str| rows(0).iter().find(|row| row["what"] == what).expect(what);
+    assert_eq!(row("triangles")["before"], (corners / 3) as f64);
+    for what in ["triangles", "triangles of terrain", "triangles of props", "colliders"] {
+        assert!(row(what)["ratio"].as_f64().unwrap() < 1.0, "{what}: {}", row(what));
+    }
+    let zero = |row: &&Value| {
+        ["bodies too deep", "bodies fallen through"].iter().any(|what| row["what"] == *what)
+    };
+    for row in rows(2).iter().filter(zero) {
+        assert_eq!(
+            (&row["before"], &row["after"]),
+            (&Value::from(0.0), &Value::from(0.0)),
+            "{row}"
+        );
+    }
+    assert_eq!(rows(2).iter().filter(zero).count(), 6);
+    for row in rows(3) {
+        assert_eq!(row["number"], 100.0, "{row}");
+        assert_eq!(row["beyond the bound"], 0.0, "{row}");
+    }
+}

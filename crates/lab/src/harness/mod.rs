@@ -11,5 +11,5 @@ pub mod session;
 pub mod worker;
 
 pub use row::{Row, Status};
-pub use session::Session;
+pub use session::{Session, describe};
 pub use worker::{FULL, Judge, Task};

@@ -143,7 +143,13 @@ impl Session {
 
     /// Writes a report, with what times depend on.
     pub fn report(&self, report: Report) -> Result<(), String> {
-        Report { machine: describe(self.limits), ..report }.write(&self.output)
+        let limits = [
+            ("time_limit_seconds", json!(self.limits.time.as_secs_f64())),
+            ("memory_limit_megabytes", json!(self.limits.memory >> 20)),
+        ];
+        let mut machine = describe();
+        machine.extend(limits.map(|(name, value)| (name.to_owned(), value)));
+        Report { machine, ..report }.write(&self.output)
     }
 }
 
@@ -173,8 +179,8 @@ fn progress((number, of): (usize, usize), row: &Row) -> String {
     format!("{number:>4}/{of}  {mesh:<44} {method:<8} {setting:<14} {variation:<12} {what}")
 }
 
-/// Processor, memory, system, version and limits: what times depend on.
-fn describe(limits: Limits) -> BTreeMap<String, Value> {
+/// Processor, memory, system and version: what times depend on.
+pub fn describe() -> BTreeMap<String, Value> {
     let parts = RefreshKind::nothing()
         .with_cpu(CpuRefreshKind::nothing())
         .with_memory(MemoryRefreshKind::nothing().with_ram());
@@ -191,8 +197,6 @@ fn describe(limits: Limits) -> BTreeMap<String, Value> {
         ("hullwright", json!(env!("CARGO_PKG_VERSION"))),
         ("algorithm_version", json!(hullwright::ALGORITHM_VERSION)),
         ("optimised", json!(!cfg!(debug_assertions))),
-        ("time_limit_seconds", json!(limits.time.as_secs_f64())),
-        ("memory_limit_megabytes", json!(limits.memory >> 20)),
     ];
     rows.map(|(name, value)| (name.to_owned(), value)).into()
 }
