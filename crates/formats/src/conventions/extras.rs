@@ -296,7 +296,8 @@ mod tests {
     fn every_setting_is_read() {
         let tag = read(
             r#"{"collider": "convex_decomposition", "max_error": 0.01, "preset": "fine", "max_hulls": 8,
-            "max_vertices": 32.0, "keep_cavities": 1, "openings": "keep", "probe_radius": "0.1m", "density": 500, "mass": 2.5,
+            "max_vertices": 32.0, "keep_cavities": 1, "openings": "keep", "probe_radius": "0.1m", "level_bound": "0.02m",
+            "density": 500, "mass": 2.5,
             "fallback": "bounding_box", "body": "dynamic"}"#,
         );
         let expected = ExtrasTag {
@@ -308,6 +309,7 @@ mod tests {
             keep_cavities: Some(true),
             openings: Some(Openings::Keep),
             probe_radius: Some(0.1),
+            level_bound: Some(0.02),
             density: Some(500.0),
             mass: Some(2.5),
             fallback: Some(Fallback::BoundingBox),
@@ -348,6 +350,9 @@ mod tests {
             ("keep_cavities", "\"yes\""),
             ("openings", "[]"),
             ("probe_radius", "0.1"),
+            ("level_bound", "0.1"),
+            ("level_bound", "-1"),
+            ("level_bound", "\"1%\""),
             ("probe_radius", "\"6%\""),
             ("density", "-1"),
             ("mass", "null"),

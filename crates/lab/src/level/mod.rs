@@ -124,32 +124,6 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     print(&format!("lowering and rolling {balls} balls"))?;
     let touches = touch::compare(&surface, &source, &starts(balls, seed ^ 4), bound);
 
-    let mut sizes =
-        Table::new("Sizes and times", SIZES_NOTE, &["what", "before", "after", "ratio"]);
-    sizes.rows.push(row("triangles of props", of_props.triangles));
-    sizes.rows.push(row("triangles of terrain", of_terrain.triangles));
-    let sum = |a: [usize; 2], b: [usize; 2]| [0, 1].map(|i| a[i] + b[i]);
-    sizes.rows.push(row("triangles", sum(of_props.triangles, of_terrain.triangles)));
-    sizes.rows.push(row("triangles of the terrain as one mesh", of_whole.triangles));
-    let colliders = [&before, &after].map(|both| both.iter().map(|s| s.fixed.len()).sum());
-    sizes.rows.push(row("colliders", colliders));
-    for (name, which) in [("props", 0), ("terrain", 1)] {
-        let bytes = [&before, &after].map(|both| both[which].bytes);
-        sizes.rows.push(row(&format!("bytes of Parry's meshes, {name}"), bytes));
-    }
-    let bytes = [&before, &after].map(|both| both.iter().map(|s| s.bytes).sum());
-    sizes.rows.push(row("bytes of Parry's meshes", bytes));
-    let plain = [&before, &after].map(|both| both.iter().map(|s| s.plain_bytes).sum());
-    sizes.rows.push(row("bytes of positions and indices", plain));
-    let seconds = [&before, &after].map(|both| both.iter().map(|s| s.seconds).sum());
-    sizes.rows.push(ratio_row("seconds to build Parry's meshes", seconds));
-    let header = ["what", "triangles", "hidden", "seconds", "seconds per 100,000 triangles"];
-    let mut times = Table::new("Simplifying", TIMES_NOTE, &header);
-    for all in [&of_props, &of_terrain, &of_whole] {
-        let cells = [all.triangles[0].to_string(), all.hidden.to_string(), number(all.seconds)];
-        let rate = number(1e5 * all.seconds / all.triangles[0].max(1) as f64);
-        times.rows.push([vec![all.name.into()], cells.into(), vec![rate]].concat());
-    }
     let words = vec![format!(
         "A level of {} props of {} models and a terrain of {:.0} m × {:.0} m, with seed {seed}; \
          the bound is {} m. Props become {} colliders by cells of {} m, and the terrain stays \
@@ -163,15 +137,51 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         number(arguments.cell.of_diagonal(diagonal)),
         tiles.len(),
     )];
-    let tables = vec![sizes, times, steps_table(&worlds), balls_table(&touches)];
+    let simplified = [&of_props, &of_terrain, &of_whole];
+    let tables = vec![
+        sizes_table(simplified, [&before, &after]),
+        times_table(simplified),
+        steps_table(&worlds),
+        balls_table(&touches),
+    ];
     let report = Report { title: "Level", name: "level", words, tables, ..Report::default() };
     crate::report::create_folder(&arguments.output)?;
     Ok(Report { machine: describe(), ..report }.write(&arguments.output)?)
 }
 
-const SIZES_NOTE: &str = "Before: a collider for each node.";
+/// Of props, the terrain, and the terrain as one mesh; shapes of the first two, before and after.
+fn sizes_table([props, terrain, whole]: [&Simplified; 3], shapes: [&[Shapes; 2]; 2]) -> Table {
+    let note = "Before: a collider for each node. Bytes are those of positions, indices, tree and \
+        normals, as Parry counts them.";
+    let mut table = Table::new("Sizes", note, &["what", "before", "after", "ratio"]);
+    let both = [0, 1].map(|i| props.triangles[i] + terrain.triangles[i]);
+    let sum = |size: fn(&Shapes) -> usize| shapes.map(|both| both.iter().map(size).sum());
+    let seconds = shapes.map(|both| both.iter().map(|shapes| shapes.seconds).sum());
+    table.rows = vec![
+        row("triangles of props", props.triangles),
+        row("triangles of terrain", terrain.triangles),
+        row("triangles", both),
+        row("triangles of the terrain as one mesh", whole.triangles),
+        row("colliders", sum(|shapes| shapes.fixed.len())),
+        row("bytes of Parry's meshes, props", shapes.map(|[props, _]| props.bytes)),
+        row("bytes of Parry's meshes, terrain", shapes.map(|[_, terrain]| terrain.bytes)),
+        row("bytes of Parry's meshes", sum(|shapes| shapes.bytes)),
+        row("bytes of positions and indices", sum(|shapes| shapes.plain_bytes)),
+        ratio_row("seconds to build Parry's meshes", seconds),
+    ];
+    table
+}
 
-const TIMES_NOTE: &str = "Processor time of one thread.";
+fn times_table(simplified: [&Simplified; 3]) -> Table {
+    let header = ["what", "triangles", "hidden", "seconds", "seconds per 100,000 triangles"];
+    let mut table = Table::new("Simplifying", "Processor time of one thread.", &header);
+    for &Simplified { name, triangles: [before, _], hidden, seconds, .. } in simplified {
+        let rate = number(1e5 * seconds / before.max(1) as f64);
+        let cells = [before.to_string(), hidden.to_string(), number(seconds), rate];
+        table.rows.push([vec![name.to_owned()], cells.into()].concat());
+    }
+    table
+}
 
 fn steps_table(worlds: &[(&str, [Steps; 2])]) -> Table {
     let note = "Bodies that never sleep; milliseconds of processor time. Both worlds take turns. \

@@ -45,8 +45,8 @@ pub struct Touches {
 /// Where things fall: half of them anywhere, half beside props.
 pub fn places(terrain: &Terrain, props: &[[f32; 3]], count: usize, seed: u64) -> Vec<[f64; 3]> {
     let mut random = Random::new(seed);
-    let mut place = |index: usize| {
-        let [x, z] = match props.is_empty() || index % 2 == 0 {
+    let place = |index: usize| {
+        let [x, z] = match props.is_empty() || index.is_multiple_of(2) {
             true => terrain.anywhere(&mut random),
             false => {
                 let [x, _, z] = props[random.integer(0, props.len())].map(f64::from);
@@ -55,7 +55,7 @@ pub fn places(terrain: &Terrain, props: &[[f32; 3]], count: usize, seed: u64) ->
         };
         [x, terrain.height(x, z) + START, z]
     };
-    (0..count).map(|index| place(index)).collect()
+    (0..count).map(place).collect()
 }
 
 /// Lowers a ball until it touches; nothing if it touches nothing.
