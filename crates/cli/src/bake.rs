@@ -66,14 +66,12 @@ pub struct Arguments {
     #[arg(long, conflicts_with = "per_mesh")]
     triangles: bool,
 
-    /// Also few triangles of what never moves, within this many units of the world of its mesh, as
-    /// the plugin's `level_bound`
+    /// What never moves, within this bound: 0.02m
     #[arg(long, value_name = "LENGTH", value_parser = parse_units, allow_hyphen_values = true,
         conflicts_with_all = ["per_mesh", "into"])]
     level_bound: Option<f32>,
 
-    /// What never moves and fits into a cube of this side is one surface with the others there, as
-    /// the plugin's `cell_size`
+    /// What never moves, by cells of this side: 10m
     #[arg(long, value_name = "LENGTH", value_parser = parse_units, allow_hyphen_values = true,
         conflicts_with_all = ["per_mesh", "into"])]
     cell_size: Option<f32>,

@@ -361,14 +361,19 @@ impl Display for HullScene {
             others => format!("another than this program's for {others} of {}", meshes.len()),
         };
         let triangles: usize = self.triangles.iter().map(|baked| baked.triangles.len()).sum();
-        let rows = pairs(&[
+        let mut rows = vec![
             ("scene", self.name.clone()),
             ("meshes", meshes.len().to_string()),
             ("hulls", hulls.to_string()),
             ("triangles for what never moves", triangles.to_string()),
-            ("algorithm version", algorithm),
-        ]);
-        formatter.write_str(&rows)?;
+        ];
+        if !self.surfaces.is_empty() {
+            let triangles = self.surfaces.iter().map(|surface| surface.triangles.len());
+            rows.push(("simplified surfaces", self.surfaces.len().to_string()));
+            rows.push(("triangles of these", triangles.sum::<usize>().to_string()));
+        }
+        rows.push(("algorithm version", algorithm));
+        formatter.write_str(&pairs(&rows))?;
         let length = |file: &HullsFile, value: Option<f64>| {
             value.map_or_else(|| NOTHING.into(), |value| percentage(value, file.diagonal))
         };

@@ -34,8 +34,9 @@ pub struct BakedSurface {
 }
 
 /// How far entries of two places may differ, as a fraction of the largest of their kind: programs
-/// multiply the transforms of nodes in single precision, and in another order.
-const TOLERANCE: f32 = 1e-5;
+/// multiply the transforms of nodes in single precision, in another order, and of levels that are
+/// much larger than a cell.
+const TOLERANCE: f32 = 1e-4;
 
 impl PlacedMesh {
     /// Whether both are the same mesh in the same place.
