@@ -90,7 +90,8 @@ impl Goal {
         }
     }
 
-    /// How far triangles may be from the mesh, in metres of the world; 0 for its own, and for hulls.
+    /// How far triangles may be from the mesh, in metres of the world; 0 for its own, and for
+    /// hulls.
     pub(crate) fn bound_of_triangles(&self) -> f32 {
         match self {
             Self::Triangles { bound, .. } => bound.unwrap_or(0.0),

@@ -24,8 +24,8 @@ pub struct Arguments {
     #[arg(help = mesh_help())]
     mesh: PathBuf,
 
-    /// The hulls: a .hulls file, or one per object of the file: obj, stl, gltf or glb; with --surface
-    /// a mesh
+    /// The hulls: a .hulls file, or one per object of the file: obj, stl, gltf or glb; with
+    /// --surface a mesh
     hulls: PathBuf,
 
     /// Measure how far the surfaces of two meshes are from each other, as of a level and its

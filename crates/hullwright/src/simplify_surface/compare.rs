@@ -3,8 +3,8 @@
 //! Whether a triangle is within a length of a surface is decided without samples (`distance`). So
 //! the least length that all triangles are within is found by trying some. Points whose distance is
 //! known bound it from below: corners and middles at first, then what refutes a length. Only what
-//! was refuted is tried again, so most triangles are measured once or twice. What would fall into
-//! too many parts waits for the length that holds for all others.
+//! was refuted is tried again, so most triangles are measured once or twice. What would take too
+//! many parts is measured last, from the length that holds for all others.
 
 use super::distance::{NO_GUESS, Parts, Target};
 use super::hidden::hidden;
@@ -38,7 +38,8 @@ const FEW_PARTS: usize = 1 << 12;
 const PER_TASK: usize = 256;
 
 /// Which triangles count as hidden because nothing can touch them. No distance is measured from
-/// them. Others are measured to them: what is near a hidden triangle is near the solid that hides it.
+/// them. Others are measured to them: what is near a hidden triangle is near the solid that hides
+/// it.
 #[non_exhaustive]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum HiddenTriangles<'a> {
@@ -277,7 +278,8 @@ struct Found {
 
 /// How far any point of one surface is from another.
 fn farthest(from: &Placed, to: &Placed, control: &Control) -> Result<Found, Error> {
-    // A half for lengths that are not tried, less for those that are refuted although they are true.
+    // A half for lengths that are not tried, less for those that are refuted although they are
+    // true.
     let (gap, resolution) = [0.5, 0.4].map(|share| share * SurfaceDistances::RESOLUTION).into();
     let tree = Bvh::with_control(&to.points, &to.triangles, control)?;
     let target = Target::new(tree, &to.points, &to.triangles).with_resolution(resolution);

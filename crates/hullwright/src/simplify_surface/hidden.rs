@@ -4,9 +4,9 @@
 //! A point about which a closed surface winds cannot be reached without passing that surface. So a
 //! triangle is hidden if a closed component winds about one of its points, and if the triangle is
 //! apart from all of that component's triangles. A triangle of a solid is touched from outside, so
-//! what counts is its place a little outside of it. Only components whose triangles face outward, as
-//! they were given, are solids: those that face inward are rooms, and what is within a room can be
-//! touched, whatever is around it.
+//! what counts is its place a little outside of it. Only components whose triangles face outward,
+//! as they were given, are solids: those that face inward are rooms, and what is within a room can
+//! be touched, whatever is around it.
 
 use crate::bvh::Bvh;
 use crate::control::Control;

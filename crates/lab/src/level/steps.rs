@@ -15,7 +15,8 @@ use crate::independent::nearest::Tree;
 use crate::statistics::{mean, median};
 use crate::tools::variations::Random;
 
-/// Steps in which bodies land, and most come to rest; at rest; and at rest without keeping contacts.
+/// Steps in which bodies land, and most come to rest; at rest; and at rest without keeping
+/// contacts.
 const STEPS: [usize; 3] = [180, 300, 300];
 
 /// The extents of bodies in metres.
