@@ -1,7 +1,9 @@
 //! Bakes what never moves of a scene: few triangles within a bound, of each node alone or of all in
 //! a cell. The rules are those of the Bevy plugin.
 
+use std::cell::LazyCell;
 use std::collections::{BTreeMap, HashSet};
+use std::rc::Rc;
 
 use glam::{DAffine3, DMat3};
 use hullwright::hulls_format::{BakedSurface, MeshHash, PlacedMesh};
@@ -29,6 +31,7 @@ pub struct SurfaceJob {
 /// A node's mesh, and where it is in its scene.
 struct Placed<'a> {
     mesh: &'a SceneMesh,
+    hash: MeshHash,
     place: DAffine3,
 }
 
@@ -39,11 +42,16 @@ struct Placed<'a> {
 /// itself.
 pub fn surface_jobs(meshes: &[SceneMesh], options: &BakeOptions) -> Vec<SurfaceJob> {
     let with_pieces = meshes_with_pieces(meshes);
-    let nodes = || meshes.iter().flat_map(|mesh| mesh.nodes.iter().map(move |node| (mesh, node)));
-    let names: HashSet<&str> = nodes().map(|(_, node)| node.name.as_str()).collect();
+    let nodes = || meshes.iter().flat_map(|mesh| &mesh.nodes);
+    let names: HashSet<&str> = nodes().map(|node| node.name.as_str()).collect();
+    // Many nodes may show one mesh.
+    let with_hash = meshes.iter().flat_map(|mesh| {
+        let hash = Rc::new(LazyCell::new(|| MeshHash::of(&mesh.mesh)));
+        mesh.nodes.iter().map(move |node| (mesh, hash.clone(), node))
+    });
     let mut cells: BTreeMap<([i32; 3], u32), Vec<Placed<'_>>> = BTreeMap::new();
     let mut jobs = Vec::new();
-    for (mesh, node) in nodes() {
+    for (mesh, hash, node) in with_hash {
         let Some(transform) = node.transform.map(affine) else { continue };
         let tag = artist_tag(mesh, node).filter(|_| options.follows_artists);
         let is_coarser = || is_coarser_level(&node.name, names.iter().copied());
@@ -59,11 +67,15 @@ pub fn surface_jobs(meshes: &[SceneMesh], options: &BakeOptions) -> Vec<SurfaceJ
             Some((size, index)) if !stands_alone(mesh, node, tag.as_ref()) => {
                 let middle = Vector::from(index.map(|x| (f64::from(x) + 0.5) * f64::from(size)));
                 let place = DAffine3::from_translation(-middle) * transform;
-                cells.entry((index, bound.to_bits())).or_default().push(Placed { mesh, place });
+                cells.entry((index, bound.to_bits())).or_default().push(Placed {
+                    mesh,
+                    hash: **hash,
+                    place,
+                });
             }
             _ if bound > 0.0 => {
                 let place = without_rotation(&transform);
-                jobs.push(SurfaceJob::new(bound, &[Placed { mesh, place }]));
+                jobs.push(SurfaceJob::new(bound, &[Placed { mesh, hash: **hash, place }]));
             }
             // Its triangles are the mesh's own.
             _ => {}
@@ -80,13 +92,12 @@ impl SurfaceJob {
         let mut merged = TriangleMesh::default();
         let (mut parts, mut primitives) = (Vec::new(), Vec::new());
         let mut count = 0;
-        for Placed { mesh, place } in all {
+        for &Placed { mesh, hash, place } in all {
             let of_mesh = &mesh.parts;
             let own = of_mesh.list.len().max(1) as u32;
-            let DAffine3 { matrix3, translation } = *place;
+            let DAffine3 { matrix3, translation } = place;
             let columns = [matrix3.x_axis, matrix3.y_axis, matrix3.z_axis, translation];
             let place_in_single = columns.map(|column| column.to_array().map(|x| x as f32));
-            let hash = MeshHash::of(&mesh.mesh);
             parts.push(PlacedMesh { mesh: hash, primitives: own, place: place_in_single });
             let first = merged.positions.len() as u32;
             let single = |x: f64| f64::from(x as f32);
