@@ -97,7 +97,13 @@ fn method(bytes: &mut Unstructured<'_>) -> Result<Method> {
         parameters.max_vertices = Some(bytes.int_in_range(8..=32)?);
         surface.max_vertices = parameters.max_vertices;
     }
-    Ok(if is_paper { surface.into() } else { parameters.into() })
+    if !is_paper {
+        return Ok(parameters.into());
+    }
+    if bytes.ratio(1, 2)? {
+        surface.concavity_threshold = Some(0.05);
+    }
+    Ok(surface.into())
 }
 
 /// Points into a hull at once, and in steps: both are exact hulls of their vertices, and hold all

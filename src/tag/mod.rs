@@ -234,7 +234,9 @@ setters! { ConvexDecomposition:
     with_fallback_collider(fallback_collider: FallbackCollider) = Some(fallback_collider);
     /// The same with the library's own parameters, or another of its methods with its parameters,
     /// which replace all settings of the decomposition:
-    /// `.with_parameters(SurfaceParameters::paper())`.
+    /// `.with_parameters(SurfaceParameters::paper())`, or `SurfaceParameters::hacd()` for what is
+    /// known to fit HACD. Neither has a bound, and HACD fills what is hollow: games have no reason
+    /// for them but to compare.
     with_parameters(parameters: impl Into<Method>) = Some(parameters.into());
 }
 

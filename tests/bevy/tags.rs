@@ -69,9 +69,12 @@ fn the_bound_is_the_one_that_the_tag_says() {
 }
 
 #[test]
-fn a_tag_by_hand_may_have_the_papers_method() {
+fn a_tag_by_hand_may_have_the_papers_method_or_hacd() {
     let paper = tag().with_parameters(SurfaceParameters::paper());
     assert!(hulls_by("l_prism", paper).len() > 1);
+    // To HACD the prism is convex: the corner's only vertices are on its ends.
+    let hacd = tag().with_parameters(SurfaceParameters::hacd());
+    assert_eq!(hulls_by("l_prism", hacd).len(), 1);
 }
 
 #[test]

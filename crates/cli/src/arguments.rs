@@ -80,14 +80,14 @@ impl SolidArguments {
     }
 }
 
-/// Above the options of the paper's method, which come last.
-pub const SURFACE_HEADING: &str = "The paper's method (--method surface), with defaults";
+/// Above the options of the paper's methods, which come last.
+pub const SURFACE_HEADING: &str = "The paper's method (--method surface, or hacd), with defaults";
 
 /// The parameters of a decomposition.
 #[derive(clap::Args)]
 #[command(next_help_heading = "Parameters")]
 pub struct ParameterArguments {
-    /// bounded (default), surface (the paper's) or hull (that of all points)
+    /// bounded (default), surface (the paper's), hacd or hull (that of all points)
     #[arg(long, value_name = "NAME", value_parser = parse_method)]
     method: Option<Method>,
 
@@ -160,6 +160,10 @@ struct SurfaceArguments {
     #[arg(long, value_name = "ε", allow_negative_numbers = true)]
     concavity_cost_threshold: Option<f64>,
 
+    /// Of hacd, likewise: 0.05
+    #[arg(long, value_name = "β", allow_negative_numbers = true)]
+    concavity_threshold: Option<f64>,
+
     /// Fewer pieces end it: 5; 0: never
     #[arg(long, value_name = "μ")]
     resolution_cut_off: Option<usize>,
@@ -184,6 +188,7 @@ pub struct Chosen {
     /// What decomposes the mesh.
     pub method: Method,
     parameters: Parameters,
+    /// With β only where it was given, whatever the method.
     surface: SurfaceParameters,
 }
 
@@ -192,7 +197,13 @@ impl Chosen {
     pub fn like(&self, method: &Method) -> Method {
         match method {
             Method::Bounded(_) => Method::Bounded(self.parameters.clone()),
-            Method::Surface(_) => Method::Surface(self.surface.clone()),
+            Method::Surface(of) => {
+                let mut surface = self.surface.clone();
+                let given = surface.concavity_threshold.take();
+                surface.concavity_threshold =
+                    of.concavity_threshold.map(|default| given.unwrap_or(default));
+                Method::Surface(surface)
+            }
             Method::Hull(_) => Method::Hull(self.parameters.clone()),
         }
     }
@@ -214,6 +225,7 @@ pub struct Uses<'a> {
 
 const BOUNDED: &str = "bounded";
 const SURFACE: &str = "surface";
+const HACD: &str = "hacd";
 const HULL: &str = "hull";
 
 /// The methods that have the parameters of the solid: the one hull takes its mass from it.
@@ -270,19 +282,23 @@ impl ParameterArguments {
             ("probe-radius", self.probe_radius.is_some()),
             ("probe-from", !self.probe_from.is_empty()),
         ];
-        let surface = [
+        let frame = [
             ("paper", of_surface.paper),
             ("simplification-quality", of_surface.simplification_quality.is_some()),
             ("maximum-resolutions", of_surface.maximum_resolutions.is_some()),
+            ("resolution-cut-off", of_surface.resolution_cut_off.is_some()),
+            ("significant-diagonal", of_surface.significant_diagonal.is_some()),
+        ];
+        let surface = [
             ("planar-thresholds", of_surface.planar_thresholds.is_some()),
             ("angular-threshold", of_surface.angular_threshold.is_some()),
             ("concavity-cost-threshold", of_surface.concavity_cost_threshold.is_some()),
-            ("resolution-cut-off", of_surface.resolution_cut_off.is_some()),
             ("unit", of_surface.unit.is_some()),
-            ("significant-diagonal", of_surface.significant_diagonal.is_some()),
         ];
-        let of_methods: [&[&str]; 3] = [WITH_SOLID, &[BOUNDED], &[SURFACE]];
-        let options = [&solid[..], &bounded, &surface].into_iter().zip(of_methods);
+        let hacd = [("concavity-threshold", of_surface.concavity_threshold.is_some())];
+        let of_methods: [&[&str]; 5] =
+            [WITH_SOLID, &[BOUNDED], &[SURFACE, HACD], &[SURFACE], &[HACD]];
+        let options = [&solid[..], &bounded, &frame, &surface, &hacd].into_iter().zip(of_methods);
         let given = options.flat_map(|(options, methods)| {
             let given = options.iter().filter(|(_, is_given)| *is_given);
             given.map(move |&(option, _)| (option, methods))
@@ -313,13 +329,14 @@ impl ParameterArguments {
         set(&mut surface.planar_thresholds, &given.planar_thresholds);
         set(&mut surface.angular_threshold, &given.angular_threshold);
         set(&mut surface.concavity_cost_threshold, &given.concavity_cost_threshold);
+        surface.concavity_threshold = given.concavity_threshold;
         set(&mut surface.resolution_cut_off, &given.resolution_cut_off);
         set(&mut surface.unit, &given.unit);
         set(&mut surface.significant_diagonal, &given.significant_diagonal);
         let mut chosen = Chosen { method: Method::default(), parameters, surface };
         chosen.method = match &self.method {
             Some(method) => chosen.like(method),
-            None if given.paper => Method::Surface(chosen.surface.clone()),
+            None if given.paper => chosen.like(&SurfaceParameters::paper().into()),
             None => Method::Bounded(chosen.parameters.clone()),
         };
         chosen
@@ -338,10 +355,11 @@ pub fn parse_method(text: &str) -> Result<Method, String> {
     let all = [
         Method::Bounded(Parameters::default()),
         Method::Surface(SurfaceParameters::default()),
+        Method::Surface(SurfaceParameters::hacd()),
         Method::Hull(Parameters::default()),
     ];
     let found = all.into_iter().find(|method| method.name() == text);
-    found.ok_or_else(|| format!("`{text}`: bounded, surface or hull is expected"))
+    found.ok_or_else(|| format!("`{text}`: bounded, surface, hacd or hull is expected"))
 }
 
 fn set<T: Clone>(field: &mut T, argument: &Option<T>) {
@@ -360,7 +378,7 @@ fn foreign(option: &str, methods: &[&str], used: &[&str]) -> Failure {
 pub fn check_is_surface(method: &Method) -> Result<(), Failure> {
     match method {
         Method::Surface(_) => Ok(()),
-        _ => Err(foreign("search", &[SURFACE], &[method.name()])),
+        _ => Err(foreign("search", &[SURFACE, HACD], &[method.name()])),
     }
 }
 
@@ -425,6 +443,10 @@ mod tests {
         assert_eq!(method(""), Method::default());
         assert_eq!(method("--paper"), SurfaceParameters::paper().into());
         assert_eq!(method("--method surface"), SurfaceParameters::default().into());
+        assert_eq!(method("--method hacd"), SurfaceParameters::hacd().into());
+        let mut hacd = SurfaceParameters::hacd();
+        (hacd.concavity_threshold, hacd.max_vertices) = (Some(0.1), None);
+        assert_eq!(method("--method hacd --concavity-threshold 0.1 --paper"), hacd.into());
         assert_eq!(method("--method hull"), Method::Hull(Parameters::default()));
         let bounded = Parameters::default().with_max_vertices(None);
         assert_eq!(method("--paper --method bounded"), bounded.into());
@@ -513,7 +535,15 @@ mod tests {
             ),
             ("--method hull --preset fast", "--preset is for --method bounded, not for hull"),
             ("--unit 1m", "--unit is for --method surface, not for bounded"),
-            ("--method bounded --paper", "--paper is for --method surface, not for bounded"),
+            (
+                "--method bounded --paper",
+                "--paper is for --method surface or hacd, not for bounded",
+            ),
+            ("--method hacd --unit 1m", "--unit is for --method surface, not for hacd"),
+            (
+                "--method surface --concavity-threshold 0.1",
+                "--concavity-threshold is for --method hacd, not for surface",
+            ),
         ] {
             assert_eq!(refused(line, &alone).as_deref(), Some(reason));
         }

@@ -27,7 +27,7 @@ pub struct Arguments {
     #[arg(help = mesh_help())]
     mesh: PathBuf,
 
-    /// Write the hulls: .obj, .glb (a colour each) or .hulls (for games, see `bake`)
+    /// Write hulls: .obj, .glb (coloured) or .hulls (see `bake`)
     #[arg(short, long, value_name = "OUT", value_parser = parse_output)]
     output: Option<PathBuf>,
 

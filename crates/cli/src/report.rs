@@ -53,7 +53,7 @@ pub fn summary(
                 format!("{:.1}", surface.average_pieces),
                 seconds,
                 cost(surface.cost),
-                surface.planar_threshold.to_string(),
+                surface.planar_threshold.map_or(NOTHING.into(), |p| p.to_string()),
                 surface.resolution.to_string(),
                 surface.polygons.to_string(),
                 surface.initial_polygons.to_string(),
@@ -129,7 +129,7 @@ pub fn search(surface: &SurfaceReport) -> String {
         rows.push(row);
         for threshold in &resolution.thresholds {
             let mut row = [""; 7].map(String::from);
-            row[3] = threshold.planar_threshold.to_string();
+            row[3] = threshold.planar_threshold.map_or(NOTHING.into(), |p| p.to_string());
             if threshold.outcome != ThresholdOutcome::NotTried {
                 row[4] = threshold.pieces.to_string();
                 row[5] = cost(threshold.cost);
@@ -203,7 +203,8 @@ pub fn json(
         "patches_across_folds": bounded.map(|bounded| bounded.patches_across_folds),
         "probe": bounded.and_then(|bounded| bounded.probe),
         "cost": surface.map(|surface| surface.cost),
-        "planar_threshold": surface.map(|surface| surface.planar_threshold),
+        "planar_threshold": surface.and_then(|surface| surface.planar_threshold),
+        "concavity_threshold": surface.and_then(|surface| surface.concavity_threshold),
         "resolution": surface.map(|surface| surface.resolution),
         "repairs": run.repairs,
         // Areas are in squared units.

@@ -42,7 +42,8 @@ use crate::surface::{self, SurfaceParameters, SurfaceReport};
 pub enum Method {
     /// The default method: [`decompose`](crate::decompose()).
     Bounded(Parameters),
-    /// The paper's method: [`surface::decompose`](crate::surface::decompose()).
+    /// The paper's method, and HACD within its frame:
+    /// [`surface::decompose`](crate::surface::decompose()).
     Surface(SurfaceParameters),
     /// The one hull of all points, whatever the bound: [`single_hull()`]. `max_vertices`
     /// holds for it. The other parameters describe the solid that its mass is computed from.
@@ -63,14 +64,20 @@ pub enum MethodReport {
 
 const BOUNDED: &str = "bounded";
 const SURFACE: &str = "surface";
+const HACD: &str = "hacd";
 const HULL: &str = "hull";
+
+/// By β, which only HACD has.
+fn surface_name(concavity_threshold: Option<f64>) -> &'static str {
+    concavity_threshold.map_or(SURFACE, |_| HACD)
+}
 
 impl Method {
     /// The method's name on the command line and in files.
     pub fn name(&self) -> &'static str {
         match self {
             Self::Bounded(_) => BOUNDED,
-            Self::Surface(_) => SURFACE,
+            Self::Surface(surface) => surface_name(surface.concavity_threshold),
             Self::Hull(_) => HULL,
         }
     }
@@ -126,6 +133,7 @@ impl Method {
             planar_thresholds,
             angular_threshold,
             concavity_cost_threshold,
+            concavity_threshold,
             resolution_cut_off,
             unit,
             significant_diagonal,
@@ -154,6 +162,7 @@ impl Method {
             bytes.length(radius);
             probe_from.iter().flatten().for_each(|coordinate| bytes.real(*coordinate));
         }
+        concavity_threshold.iter().for_each(|threshold| bytes.real(*threshold));
         bytes.0
     }
 
@@ -227,7 +236,7 @@ impl MethodReport {
     pub fn name(&self) -> &'static str {
         match self {
             Self::Bounded(_) => BOUNDED,
-            Self::Surface(_) => SURFACE,
+            Self::Surface(report) => surface_name(report.concavity_threshold),
             Self::Hull => HULL,
         }
     }
@@ -286,7 +295,9 @@ impl fmt::Display for Method {
                 (own.fields().into(), Parameters::default().fields().into())
             }
             Self::Surface(own) => {
-                (own.fields().into(), SurfaceParameters::default().fields().into())
+                let is_hacd = own.concavity_threshold.is_some();
+                let default = if is_hacd { SurfaceParameters::hacd() } else { Default::default() };
+                (own.fields().into(), default.fields().into())
             }
         };
         let parameters = differing(&own, &default);
@@ -323,9 +334,16 @@ impl FromStr for Method {
         }
         match name {
             BOUNDED => Ok(Self::Bounded(parameters)),
-            SURFACE => Ok(Self::Surface(surface)),
+            SURFACE => {
+                Ok(Self::Surface(SurfaceParameters { concavity_threshold: None, ..surface }))
+            }
+            HACD => {
+                let default = SurfaceParameters::hacd().concavity_threshold;
+                surface.concavity_threshold = surface.concavity_threshold.or(default);
+                Ok(Self::Surface(surface))
+            }
             HULL => Ok(Self::Hull(parameters)),
-            _ => Err(ParseError::new(name, "bounded, surface or hull")),
+            _ => Err(ParseError::new(name, "bounded, surface, hacd or hull")),
         }
     }
 }
@@ -423,9 +441,15 @@ mod tests {
             .with_keep_cavities(true);
         let mut surface = SurfaceParameters::paper();
         surface.planar_thresholds = vec![0.25];
-        for method in
-            [Method::default(), bounded.clone().into(), surface.into(), Method::Hull(bounded)]
-        {
+        let mut hacd = SurfaceParameters::hacd();
+        hacd.concavity_threshold = Some(0.1);
+        for method in [
+            Method::default(),
+            bounded.clone().into(),
+            surface.into(),
+            hacd.into(),
+            Method::Hull(bounded),
+        ] {
             assert_eq!(method.to_string().parse(), Ok(method));
         }
     }
@@ -467,7 +491,12 @@ mod tests {
 
     #[test]
     fn parameters_of_another_method_are_dropped() {
-        let texts = [("method=surface max_error=1%", "method=surface"), ("unit=2m", "")];
+        let texts = [
+            ("method=surface max_error=1%", "method=surface"),
+            ("method=surface concavity_threshold=0.1", "method=surface"),
+            ("method=hacd concavity_threshold=0.05", "method=hacd"),
+            ("unit=2m", ""),
+        ];
         for (text, kept) in texts {
             assert_eq!(text.parse::<Method>(), kept.parse());
         }
@@ -481,7 +510,7 @@ mod tests {
             ("max_hulls=many", "a whole number or none"),
             ("preset=best", "fast, balanced or fine"),
             ("planar_thresholds=1,x", "a number"),
-            ("method=volume", "bounded, surface or hull"),
+            ("method=volume", "bounded, surface, hacd or hull"),
             ("keep_cavities", "key=value"),
         ] {
             let error = text.parse::<Method>().unwrap_err().to_string();
@@ -515,6 +544,8 @@ mod tests {
             SurfaceParameters { planar_thresholds: vec![1.0], ..surface() },
             SurfaceParameters { angular_threshold: 0.5, ..surface() },
             SurfaceParameters { concavity_cost_threshold: 0.5, ..surface() },
+            SurfaceParameters::hacd(),
+            SurfaceParameters { concavity_threshold: Some(0.1), ..surface() },
             SurfaceParameters { resolution_cut_off: 4, ..surface() },
             SurfaceParameters { unit: Length::units(1.0), ..surface() },
             SurfaceParameters { significant_diagonal: 0.5, ..surface() },

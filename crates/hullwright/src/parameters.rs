@@ -471,7 +471,7 @@ impl ParseError {
 }
 
 /// The text of a limit that is not set.
-const NONE: &str = "none";
+pub(crate) const NONE: &str = "none";
 
 /// Points as `x,y,z`, separated by semicolons.
 fn points_text(points: &[[f64; 3]]) -> String {

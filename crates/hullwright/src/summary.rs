@@ -148,13 +148,17 @@ impl Display for RunReport {
 /// What was chosen, without the search tree.
 impl Display for SurfaceReport {
     fn fmt(&self, formatter: &mut Formatter<'_>) -> fmt::Result {
+        let threshold = match (self.planar_threshold, self.concavity_threshold) {
+            (Some(p), _) => format!("planar threshold {p}"),
+            (None, beta) => format!("concavity threshold {}", beta.unwrap_or_default()),
+        };
         write!(
             formatter,
-            "{} ({:.1} on average), cost {:.4}, planar threshold {}, resolution {}: {} of {}",
+            "{} ({:.1} on average), cost {:.4}, {}, resolution {}: {} of {}",
             count(self.pieces, "piece", "pieces"),
             self.average_pieces,
             self.cost,
-            self.planar_threshold,
+            threshold,
             self.resolution,
             self.polygons,
             count(self.initial_polygons, "triangle", "triangles")

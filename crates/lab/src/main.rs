@@ -1,5 +1,5 @@
-//! The laboratory: benchmarks, the stability report, Table 1 of the paper that the surface method
-//! comes from, and what makes assets and pictures. Run as `cargo lab COMMAND`.
+//! The laboratory: benchmarks, the stability report, the experiments of the paper that the surface
+//! method comes from, and what makes assets and pictures. Run as `cargo lab COMMAND`.
 //!
 //! Exit code 0 is success, 1 an error in the input or the work, 2 wrong usage.
 
@@ -20,6 +20,7 @@ mod independent_tests;
 mod level;
 mod paper;
 mod pictures;
+mod plots;
 mod reach;
 mod report;
 mod shapes;

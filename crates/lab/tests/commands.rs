@@ -227,6 +227,33 @@ fn a_folder_without_the_tables_is_one_line_on_standard_error() {
 }
 
 #[test]
+fn the_papers_experiments_are_repeated_in_one_run() {
+    let place = Place::new();
+    let prism = std::fs::read(Path::new(&place.meshes).join("l.obj")).unwrap();
+    for (folder, file) in [("meshes/princeton", "21.obj"), ("meshes/common", "spot.obj")] {
+        std::fs::create_dir_all(place.root.path().join(folder)).unwrap();
+        std::fs::write(place.root.path().join(folder).join(file), &prism).unwrap();
+    }
+    std::fs::create_dir(place.root.path().join("paper")).unwrap();
+    let table = "model\tmesh\tpieces\taverage_pieces\tseconds\tcost\tp\tr\tpolygons\tinitial_polygons\n\
+                 1\tprinceton/21.obj\t2\t2\t1\t0\t0.01\t250\t20\t20\n";
+    std::fs::write(place.root.path().join("paper/table1.tsv"), table).unwrap();
+    let output = lab(&["paper", place.root.path().to_str().unwrap(), "-o", &place.report]);
+    assert!(output.status.success(), "{}", errors(&output));
+    let report = place.file("paper-experiments.md");
+    // Two convex pieces of 20 polygons at the first r, which all readings find.
+    assert!(report.contains("| 1 (princeton/21.obj) | closest | 2 | 2.0 |"), "{report}");
+    assert!(report.contains("| the closest | 1 | 1 | 1 | 1 | 1 | 1 | **0.01 250** |"), "{report}");
+    for name in ["HACD (Figure 3)", "hollow shapes", "V-HACD", "p at fixed r", "O(N / k)", "Spot"] {
+        assert!(report.contains(name), "{name} in\n{report}");
+    }
+    for figure in 2..=5 {
+        let file = Path::new(&place.report).join(format!("figure-{figure}.png"));
+        assert!(file.metadata().unwrap().len() > 1000, "{figure}");
+    }
+}
+
+#[test]
 fn a_level_is_drawn_from_its_seed_and_simplified_within_the_bound() {
     let place = Place::new();
     let level = |name: &str, seed: &str| {

@@ -79,6 +79,7 @@ fn json_has_the_same_keys_for_every_method() {
         "probe",
         "cost",
         "planar_threshold",
+        "concavity_threshold",
         "resolution",
         "repairs",
         "openings",
@@ -102,13 +103,18 @@ fn json_has_the_same_keys_for_every_method() {
         "part_shares",
     ];
     let place = place();
-    for method in ["bounded", "surface"] {
+    for method in ["bounded", "surface", "hacd"] {
         let line = place.decompose_json(&["--method", method, "-o", "hulls.obj"]);
         let keys: Vec<&String> = line.as_object().unwrap().keys().collect();
         assert_eq!(keys, expected, "{method}");
-        assert_eq!(line["patches"].is_null(), method == "surface");
+        assert_eq!(line["method"], method);
+        assert_eq!(line["concavity_threshold"].is_number(), method == "hacd");
+        assert_eq!(line["patches"].is_null(), method != "bounded");
         assert_eq!(line["cost"].is_null(), method == "bounded");
-        assert_eq!(read_hulls(place.path("hulls.obj")).unwrap().len(), 2);
+        // The only vertices in the corner of the L are on its ends, where the ray of equation (4)
+        // leaves the hull at once: to HACD the whole is convex.
+        let hulls = if method == "hacd" { 1 } else { 2 };
+        assert_eq!(read_hulls(place.path("hulls.obj")).unwrap().len(), hulls);
     }
 }
 
@@ -168,7 +174,9 @@ fn the_help_fits_on_a_screen_of_80_columns_and_the_papers_options_come_last() {
         let lines = help.lines().count();
         assert!(lines <= most, "{lines} lines:\n{help}");
         assert!(help.lines().all(|line| line.chars().count() <= 80), "{help}");
-        let Some((others, paper)) = help.split_once("The paper's method (--method surface)") else {
+        let Some((others, paper)) =
+            help.split_once("The paper's method (--method surface, or hacd)")
+        else {
             continue;
         };
         for option in ["--paper", "--simplification-quality", "--unit"] {
@@ -182,7 +190,7 @@ fn an_option_of_another_method_is_refused_by_name() {
     let place = place();
     for (line, reason) in [
         ("decompose l.obj --method surface --max-hulls 3", "--max-hulls is for --method bounded"),
-        ("decompose l.obj --search", "--search is for --method surface"),
+        ("decompose l.obj --search", "--search is for --method surface or hacd"),
         ("bake l.obj --method hull --preset fine", "--preset is for --method bounded"),
         ("curve l.obj --unit 1m", "--unit is for --method surface"),
         ("view l.obj --compare surface --method hull --max-hulls 2", "not for hull and surface"),

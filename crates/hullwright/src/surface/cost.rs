@@ -4,8 +4,8 @@
 //!
 //! S are the vertices of a group, P_S(M) is where the ray from M along its normal leaves the
 //! convex hull of S, and D_S is the diagonal of the bounding box of S. The normal of M is taken
-//! *with respect to the group*: the area-weighted mean of the normals of the group's own
-//! triangles at M.
+//! *with respect to the group*: the mean of the unit normals of the group's own triangles at M,
+//! without weights, which gives the costs of the paper's Table 1.
 
 use crate::decomposition::GroupedMesh;
 use crate::error::Error;
@@ -22,7 +22,7 @@ pub(super) const TOO_SMALL_TO_COUNT: usize = 2;
 /// A plane that the ray runs along cannot be left through it.
 const PARALLEL: f64 = 1e-9;
 
-/// Normals whose sum is shorter than this share of their lengths cancel out: what is left is
+/// Normals whose sum is shorter than this share of their number cancel out: what is left is
 /// rounding, and points anywhere.
 const CANCELLED: f64 = 1e-9;
 
@@ -35,8 +35,8 @@ pub struct CostScratch {
     builder: HullBuilder,
     /// For each vertex of the mesh that is in the group its place there.
     places: Vec<u32>,
-    /// For each vertex of the group the sum of the normals of the group's triangles at it, and of
-    /// their lengths.
+    /// For each vertex of the group the sum of the unit normals of the group's triangles at it, and
+    /// the number of them.
     normals: Vec<(Vector, f64)>,
     /// For each vertex of the group a face of the hull that it is a corner of.
     faces: Vec<Option<u32>>,
@@ -54,11 +54,10 @@ pub fn cost(mesh: &TriangleMesh, group: &[u32], scratch: &mut CostScratch) -> f6
     scratch.add_normals(mesh, group, &vertices);
     scratch.builder.faces_of_points(&mut scratch.faces);
     let mut greatest: f64 = 0.0;
-    for ((&(normal, areas), &point), &face) in
+    for ((&(normal, count), &point), &face) in
         scratch.normals.iter().zip(&points).zip(&scratch.faces)
     {
-        // A vertex whose triangles cancel out has no normal, and so no distance.
-        if normal.length() <= CANCELLED * areas {
+        if is_cancelled(normal, count) {
             continue;
         }
         let normal = normal.normalize_or_zero();
@@ -114,20 +113,30 @@ impl CostScratch {
         for &triangle in group {
             let corners = mesh.triangles[triangle as usize];
             let [a, b, c] = corners.map(|vertex| mesh.points()[vertex as usize]);
-            let normal = area_normal(a, b, c);
-            let area = normal.length();
+            let normal = area_normal(a, b, c).normalize_or_zero();
             for vertex in corners {
-                let (sum, areas) = &mut self.normals[self.places[vertex as usize] as usize];
+                let (sum, count) = &mut self.normals[self.places[vertex as usize] as usize];
                 *sum += normal;
-                *areas += area;
+                *count += 1.0;
             }
         }
     }
 }
 
+/// Whether the triangles at a vertex cancel out, by the sum of their unit normals and how many they
+/// are: then it has no normal, and so no distance.
+pub(super) fn is_cancelled(normal: Vector, count: f64) -> bool {
+    normal.length() <= CANCELLED * count
+}
+
 /// How far a ray from a point inside a hull runs until it leaves. Where that is at most `enough` an
 /// upper bound that is at most `enough` may be returned, since only the greatest distance counts.
-fn distance_to_exit(point: Vector, direction: Vector, planes: &[Plane], enough: f64) -> f64 {
+pub(super) fn distance_to_exit(
+    point: Vector,
+    direction: Vector,
+    planes: &[Plane],
+    enough: f64,
+) -> f64 {
     let mut nearest = f64::INFINITY;
     // Most planes are left later than the nearest so far, which is decided without a division.
     let mut beyond = f64::INFINITY;

@@ -22,14 +22,17 @@ use crate::stages::{PREPARED, SURFACE, Stages};
 pub struct SurfaceReport {
     /// Pieces, after group merging.
     pub pieces: usize,
-    /// Pieces of the chosen candidate before group merging.
+    /// Groups of the chosen candidate before group merging.
     pub pieces_before_merging: usize,
-    /// k: average number of pieces over the candidates of all resolutions.
+    /// k: average number of pieces over the candidates of all resolutions. Groups of one or two
+    /// polygons are not counted.
     pub average_pieces: f64,
     /// Average concavity cost of the chosen candidate, equation (3).
     pub cost: f64,
-    /// p of the chosen candidate, in units of the thresholds.
-    pub planar_threshold: f64,
+    /// p of the chosen candidate, in units of the thresholds; none for HACD.
+    pub planar_threshold: Option<f64>,
+    /// β, where HACD has grouped the surface.
+    pub concavity_threshold: Option<f64>,
     /// r of the chosen candidate.
     pub resolution: usize,
     /// Triangles of the simplified mesh.
@@ -42,7 +45,8 @@ pub struct SurfaceReport {
     pub resolutions: Vec<ResolutionReport>,
 }
 
-/// Decomposes a triangle mesh by the paper's method. Openings stay as they are, and nothing is
+/// Decomposes a triangle mesh by the paper's method, or by HACD within its frame
+/// ([`SurfaceParameters::concavity_threshold`]). Openings stay as they are, and nothing is
 /// verified.
 ///
 /// # Errors
@@ -59,7 +63,8 @@ pub fn decompose<'a>(
     run_to_end(pipeline(mesh, parameters, control))
 }
 
-/// The whole of a decomposition. Each resolution and each threshold is a slice.
+/// The whole of a decomposition. Each resolution and each threshold is a slice; for HACD the
+/// search of each resolution.
 pub(crate) async fn pipeline(
     mesh: MeshView<'_>,
     parameters: &SurfaceParameters,
@@ -100,6 +105,7 @@ pub(crate) async fn pipeline(
         average_pieces: selection.average_pieces,
         cost: found.cost,
         planar_threshold: found.planar_threshold,
+        concavity_threshold: parameters.concavity_threshold,
         resolution: level.resolution,
         polygons: level.mesh.triangles.len(),
         initial_polygons: prepared.mesh.triangles.len(),
@@ -119,7 +125,7 @@ async fn simplify(
     let mut levels = Levels::new(parameters);
     while !levels.is_complete() {
         let share = levels.share_done();
-        let simplify = || levels.make_next(prepared, parameters, control);
+        let simplify = || levels.advance(prepared, parameters, control);
         stages.run_slice(Stage::Simplify, share, simplify).await?;
     }
     Ok(levels.finish())
@@ -157,7 +163,8 @@ fn search(
 
 /// The share of the thresholds that were tried.
 fn share_done(levels: &[Level], parameters: &SurfaceParameters) -> f32 {
-    let all = levels.len() * parameters.planar_thresholds.len();
+    let leaves = parameters.concavity_threshold.map_or(parameters.planar_thresholds.len(), |_| 1);
+    let all = levels.len() * leaves;
     let done: usize = levels.iter().map(|level| level.search.reports.len()).sum();
     done as f32 / all.max(1) as f32
 }

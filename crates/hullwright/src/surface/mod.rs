@@ -3,7 +3,8 @@
 //!
 //! The surface is simplified to several resolutions. At each it is divided into nearly convex
 //! groups under several thresholds, of which the concavity cost selects one. The hulls of its
-//! groups are the pieces. The method promises no bound.
+//! groups are the pieces. The method promises no bound. HACD, which the paper compares itself with,
+//! groups the surface in another way, and all else stays the same: [`SurfaceParameters::hacd`].
 //!
 //! ```
 //! use hullwright::surface::{SurfaceParameters, decompose};
@@ -27,12 +28,14 @@
 //! | `crate::mesh::simplify` | 3.2, simplification |
 //! | `crate::mesh::grouping` | 3.4.1, convex grouping |
 //! | `threshold_selection` | 3.4.2, selection among the planar thresholds |
+//! | `hacd` | 4.2, the grouping of HACD in place of 3.4 |
 //! | `cost` | 3.4.3, concavity cost |
 //! | `resolution_selection` | 3.5, selection among the resolutions |
 //! | `pieces` | 3.6, group merging, and hulls of the groups |
 
 mod cost;
 pub(crate) mod decompose;
+mod hacd;
 mod parameters;
 pub(crate) mod pieces;
 mod resolution_selection;

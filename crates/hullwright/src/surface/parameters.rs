@@ -1,17 +1,20 @@
-//! Parameters of the paper's method, by its symbols.
+//! Parameters of the paper's method, by its symbols, and of HACD within its frame.
 
 use std::str::FromStr;
 
 use crate::error::Error;
 use crate::parameters::{
-    DEFAULT_MAX_VERTICES, Field, Length, ParseError, check_max_vertices, limit_text, parse,
+    DEFAULT_MAX_VERTICES, Field, Length, NONE, ParseError, check_max_vertices, limit_text, parse,
     parse_limit,
 };
 
 /// The unit in which the paper's thresholds fit its own meshes: Princeton's segmentation
-/// benchmark has bounding-box diagonals of 1.0 to 3.0 with a median of 2.24. At the paper's own p
-/// and r this gives its numbers of pieces best (`crates/lab/reports/calibration.md`).
+/// benchmark has bounding-box diagonals of 1.0 to 3.0 with a median of 2.24.
 const PAPER_UNIT: Length = Length::Share(1.0 / 2.24);
+
+/// β of HACD, for want of a value in the paper: that of ε. Over Princeton's meshes it costs about as
+/// much as the paper's own method (`crates/lab/reports/paper/paper-experiments.md`).
+const DEFAULT_CONCAVITY_THRESHOLD: f64 = 0.05;
 
 /// Parameters of the paper's method, by its symbols.
 ///
@@ -21,16 +24,19 @@ const PAPER_UNIT: Length = Length::Share(1.0 / 2.24);
 /// | p, [`planar_thresholds`](Self::planar_thresholds) | fewer pieces that are less convex | more pieces |
 /// | a, [`angular_threshold`](Self::angular_threshold) | groups grow over sharper dents | more pieces |
 /// | ε, [`concavity_cost_threshold`](Self::concavity_cost_threshold) | fewer pieces that are less convex | more pieces |
+/// | β, [`concavity_threshold`](Self::concavity_threshold) | of HACD: fewer pieces that are less convex | more pieces |
 /// | μ, [`resolution_cut_off`](Self::resolution_cut_off) | less time for simple shapes | higher resolutions are tried |
 ///
 /// The search takes time in proportion to the sum of R times the number of p times the size of
-/// groups; simplification O(n log n) in the n triangles of the input.
+/// groups; simplification O(n log n) in the n triangles of the input. HACD takes up to a hundred
+/// times as long as the search for one p.
 #[non_exhaustive]
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
 pub struct SurfaceParameters {
     /// Q: the simplification target is the triangle count times Q, repeated until it is at most r
-    /// (section 3.2). Limits: above 0, at most 1, which means no simplification. Paper: 0.8.
+    /// (section 3.2). The time that takes is in proportion to 1 / (1 - Q). Limits: above 0, at most
+    /// 1, which means no simplification. Paper: 0.8.
     pub simplification_quality: f64,
     /// R: maximum resolutions (section 3.5). Unit: triangles. Limits: at least one, none 0. Paper:
     /// 250, 500, 1000, 2000, 3000.
@@ -44,6 +50,11 @@ pub struct SurfaceParameters {
     /// ε: the concavity cost under which a decomposition is good enough (section 3.4.2). Unit: a
     /// group's own diagonal. Limits: above 0. Paper: 0.05.
     pub concavity_cost_threshold: f64,
+    /// β: the surface is grouped by HACD, a collapse of which must cost less than this (section
+    /// 4.2, equation 4), and p, a, ε and their unit are not used. Unit: a surface's own diagonal.
+    /// Limits: above 0. Default: `None`, the paper's own grouping; 0.05 in
+    /// [`hacd`](Self::hacd), since the paper gives no number.
+    pub concavity_threshold: Option<f64>,
     /// μ: once a resolution of at least 500 gives fewer pieces than this, higher ones are
     /// skipped (sections 3.5 and 4.3). Limits: 0 never skips. Paper: 5.
     pub resolution_cut_off: usize,
@@ -51,8 +62,8 @@ pub struct SurfaceParameters {
     /// diagonal.
     ///
     /// The paper has none: its thresholds are in the meshes' own units, which is
-    /// `Length::Units(1.0)`. The default is the same on the median of the paper's meshes, and gives
-    /// the same result for a mesh in any scale.
+    /// `Length::Units(1.0)`, and so is its Table 1. The default is the same on the median of the
+    /// paper's meshes, and gives the same result for a mesh in any scale.
     pub unit: Length,
     /// A group of one or two polygons is merged only if its bounding-box diagonal is smaller than
     /// this (section 3.6). Unit: the mesh's diagonal. Limits: not negative. Default: 0.1, since the
@@ -72,11 +83,18 @@ impl SurfaceParameters {
             planar_thresholds: vec![0.01, 0.2, 0.4, 0.6, 0.8, 1.0],
             angular_threshold: 0.01,
             concavity_cost_threshold: 0.05,
+            concavity_threshold: None,
             resolution_cut_off: 5,
             unit: PAPER_UNIT,
             significant_diagonal: 0.1,
             max_vertices: None,
         }
+    }
+
+    /// HACD, which the paper compares its method with: its grouping takes the place of section 3.4,
+    /// and all else is as in the default.
+    pub fn hacd() -> Self {
+        Self { concavity_threshold: Some(DEFAULT_CONCAVITY_THRESHOLD), ..Self::default() }
     }
 
     /// Checks every value.
@@ -115,6 +133,9 @@ impl SurfaceParameters {
             let reason = format!("ε must be positive, not {}", self.concavity_cost_threshold);
             return invalid("concavity_cost_threshold", reason);
         }
+        if let Some(beta) = self.concavity_threshold.filter(|&beta| !finite_and_positive(beta)) {
+            return invalid("concavity_threshold", format!("β must be positive, not {beta}"));
+        }
         let unit = self.unit.value();
         if !finite_and_positive(unit) {
             return invalid("unit", format!("must be positive, not {unit}"));
@@ -128,10 +149,10 @@ impl SurfaceParameters {
 
     pub(crate) const KEYS: &'static str = "max_vertices, simplification_quality, \
         maximum_resolutions, planar_thresholds, angular_threshold, concavity_cost_threshold, \
-        resolution_cut_off, unit, significant_diagonal";
+        concavity_threshold, resolution_cut_off, unit, significant_diagonal";
 
     /// Every field as text.
-    pub(crate) fn fields(&self) -> [Field; 9] {
+    pub(crate) fn fields(&self) -> [Field; 10] {
         [
             ("max_vertices", limit_text(self.max_vertices)),
             ("simplification_quality", self.simplification_quality.to_string()),
@@ -139,6 +160,10 @@ impl SurfaceParameters {
             ("planar_thresholds", list_text(&self.planar_thresholds)),
             ("angular_threshold", self.angular_threshold.to_string()),
             ("concavity_cost_threshold", self.concavity_cost_threshold.to_string()),
+            (
+                "concavity_threshold",
+                self.concavity_threshold.map_or_else(|| NONE.into(), |beta| beta.to_string()),
+            ),
             ("resolution_cut_off", self.resolution_cut_off.to_string()),
             ("unit", self.unit.to_string()),
             ("significant_diagonal", self.significant_diagonal.to_string()),
@@ -154,6 +179,8 @@ impl SurfaceParameters {
             "planar_thresholds" => self.planar_thresholds = list(value)?,
             "angular_threshold" => self.angular_threshold = number(value)?,
             "concavity_cost_threshold" => self.concavity_cost_threshold = number(value)?,
+            "concavity_threshold" if value == NONE => self.concavity_threshold = None,
+            "concavity_threshold" => self.concavity_threshold = Some(number(value)?),
             "resolution_cut_off" => self.resolution_cut_off = number(value)?,
             "unit" => self.unit = value.parse()?,
             "significant_diagonal" => self.significant_diagonal = number(value)?,

@@ -4,20 +4,22 @@
 //! Where the paper is silent or says two things:
 //! - The cut-off μ acts after a resolution "greater than 500" in the text, but after r = 500 in
 //!   its experiments (model 72). Here it acts from 500 on.
-//! - k, the average number of pieces, is taken before group merging, which comes last.
+//! - Pieces, of which k is the average, are counted as in threshold selection.
 //! - R is tried in ascending order, whatever order it is given in, since the cut-off speaks of
 //!   higher resolutions; equal values count once.
 //! - Of equal costs the lower resolution wins; costs are equal where only rounding tells them
 //!   apart.
-//! - A level starts from the next finer one, not from the source (see `mesh::simplify`). A
-//!   resolution whose mesh is the same as that of the one before would only repeat it.
+//! - The steps of simplification go on from the next finer level, since the steps from the source
+//!   would be the same. A resolution whose mesh is the same as that of the one before would only
+//!   repeat it.
 
 use crate::control::Control;
 use crate::error::Error;
 use crate::mesh::adjacency::Adjacency;
-use crate::mesh::simplify::{SimplifiedMesh, simplification_target, simplify};
+use crate::mesh::simplify::{next_target, simplify};
 use crate::mesh::{PreparedMesh, TriangleMesh};
 
+use super::hacd;
 use super::parameters::SurfaceParameters;
 use super::threshold_selection::{Candidate, ThresholdReport, ThresholdSearch, Thresholds};
 
@@ -38,7 +40,7 @@ pub const MOST_PIECES_FACTOR: f64 = 1.5;
 pub struct ResolutionReport {
     /// r.
     pub resolution: usize,
-    /// Target triangle count: the initial one times powers of Q.
+    /// Target triangle count of the last step.
     pub target: usize,
     /// Triangle count that simplification reached.
     pub polygons: usize,
@@ -89,6 +91,15 @@ pub struct Levels {
     open: Vec<usize>,
     /// Descending.
     made: Vec<Level>,
+    /// On the way from the last of those to the next.
+    step: Option<Step>,
+}
+
+/// A mesh after a step of simplification.
+struct Step {
+    mesh: TriangleMesh,
+    components: Vec<u32>,
+    target: usize,
 }
 
 impl Levels {
@@ -97,7 +108,7 @@ impl Levels {
         let mut open = parameters.maximum_resolutions.clone();
         open.sort_unstable();
         open.dedup();
-        Self { made: Vec::with_capacity(open.len()), open }
+        Self { made: Vec::with_capacity(open.len()), open, step: None }
     }
 
     /// Which share of them is made.
@@ -110,25 +121,37 @@ impl Levels {
         self.open.is_empty()
     }
 
-    /// Makes the finest that is missing, if there is one.
+    /// Takes a step of simplification towards the finest that is missing, if there is one.
     ///
     /// # Errors
     /// [`Error::Cancelled`].
-    pub fn make_next(
+    pub fn advance(
         &mut self,
         prepared: &PreparedMesh,
         parameters: &SurfaceParameters,
         control: &Control,
     ) -> Result<(), Error> {
         control.check()?;
-        let Some(resolution) = self.open.pop() else { return Ok(()) };
-        let initial = prepared.mesh.triangles.len();
-        let target = simplification_target(initial, parameters.simplification_quality, resolution);
-        let (finer, components) = match self.made.last() {
-            Some(level) => (&level.mesh, &level.components),
-            None => (&prepared.mesh, &prepared.components),
-        };
-        let SimplifiedMesh { mesh, components, .. } = simplify(finer, components, target, control)?;
+        let Some(&resolution) = self.open.last() else { return Ok(()) };
+        let Step { mesh, components, mut target } = self.step.take().unwrap_or_else(|| {
+            let (mesh, components) = match self.made.last() {
+                Some(level) => (&level.mesh, &level.components),
+                None => (&prepared.mesh, &prepared.components),
+            };
+            let (mesh, components) = (mesh.clone(), components.clone());
+            Step { target: mesh.triangles.len(), mesh, components }
+        });
+        let count = mesh.triangles.len();
+        if count > resolution {
+            target = next_target(count, parameters.simplification_quality);
+            let found = simplify(&mesh, &components, target, control)?;
+            // A target that can't be reached leaves more triangles.
+            if found.mesh.triangles.len() < count {
+                self.step = Some(Step { mesh: found.mesh, components: found.components, target });
+                return Ok(());
+            }
+        }
+        self.open.pop();
         if let Some(finer) = self.made.last_mut() {
             finer.same_as_before = finer.mesh == mesh;
         }
@@ -163,7 +186,11 @@ impl Level {
         thresholds: Thresholds<'_>,
         control: &Control,
     ) -> Result<(), Error> {
-        self.search.advance(&self.mesh, &self.adjacency, thresholds, control)
+        let Some(threshold) = thresholds.parameters.concavity_threshold else {
+            return self.search.advance(&self.mesh, &self.adjacency, thresholds, control);
+        };
+        let grouping = hacd::group(&self.mesh, &self.adjacency, threshold, control)?;
+        self.search.take(&self.mesh, grouping, control)
     }
 }
 
@@ -174,7 +201,7 @@ pub(crate) fn first_cut_off(levels: &[Level], cut_off: usize) -> Option<usize> {
     levels.iter().position(|level| {
         if !level.same_as_before {
             let candidate = level.search.candidate().filter(|_| level.search.is_finished());
-            pieces = candidate.map(|candidate| candidate.grouping.count);
+            pieces = candidate.map(|candidate| candidate.pieces);
         }
         level.resolution >= LEAST_CUT_OFF_RESOLUTION && pieces.is_some_and(|count| count < cut_off)
     })
@@ -214,12 +241,12 @@ pub(crate) fn select(levels: &[Level], cut_off: usize) -> Option<Selection> {
     if candidates.is_empty() {
         return None;
     }
-    let pieces: usize = candidates.iter().map(|(_, candidate)| candidate.grouping.count).sum();
+    let pieces: usize = candidates.iter().map(|(_, candidate)| candidate.pieces).sum();
     let average_pieces = pieces as f64 / candidates.len() as f64;
     let most = MOST_PIECES_FACTOR * average_pieces;
     let mut selected: Option<(usize, &Candidate)> = None;
     for (index, candidate) in candidates {
-        if candidate.grouping.count as f64 > most {
+        if candidate.pieces as f64 > most {
             outcomes[index] = ResolutionOutcome::TooManyPieces;
         } else if selected.is_none_or(|(_, best)| candidate.cost < best.cost - EQUAL_COSTS) {
             selected = Some((index, candidate));
@@ -245,7 +272,6 @@ pub(crate) fn select(levels: &[Level], cut_off: usize) -> Option<Selection> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::grouping::Grouping;
     use crate::mesh::shapes::torus;
 
     /// Levels with a finished search each: resolution, pieces and cost of its candidate.
@@ -257,7 +283,7 @@ mod tests {
             mesh: mesh.clone(),
             components: Vec::new(),
             adjacency: Adjacency::new(&mesh),
-            search: ThresholdSearch::found(Grouping { labels: Vec::new(), count }, cost),
+            search: ThresholdSearch::found(count, cost),
             same_as_before: false,
         };
         candidates.iter().map(level).collect()

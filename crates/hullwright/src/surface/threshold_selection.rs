@@ -9,11 +9,13 @@
 //! - The two abort rules: a running average is given up once it is above *both* limits, three
 //!   times ε and three times the least average so far. Read as "above either", the second rule
 //!   forbids what Table 1 reports: p = 0.01 leaves nearly convex groups, so that larger p would
-//!   have to stay below a third of what their rows cost (see `crates/lab/reports/calibration.md`).
+//!   have to stay below a third of what their rows cost
+//!   (`crates/lab/reports/paper/paper-experiments.md`).
 //!   The first threshold has nothing before it and is always computed to its end, so the
 //!   fail-safe never lacks a candidate; aborted thresholds can't enter it.
-//! - Pieces are counted before group merging, and of equal counts the earlier threshold stays,
-//!   as "fewer than" says.
+//! - Groups of one or two polygons, which are left out of the average and expected to merge, are no
+//!   pieces when pieces are counted: so Table 1 has them.
+//! - Of equal counts the earlier threshold stays, as "fewer than" says.
 
 use std::collections::HashMap;
 
@@ -37,9 +39,9 @@ const SUFFICIENTLY_CONVEX: f64 = 1e-6;
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ThresholdReport {
-    /// p.
-    pub planar_threshold: f64,
-    /// Number of groups.
+    /// p; none for HACD, which has one leaf.
+    pub planar_threshold: Option<f64>,
+    /// Number of groups of more than two polygons.
     pub pieces: usize,
     /// Average cost, as far as it was computed.
     pub cost: f64,
@@ -84,8 +86,11 @@ pub(crate) struct Thresholds<'a> {
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Candidate {
     pub grouping: Grouping,
+    /// Groups of more than two polygons.
+    pub pieces: usize,
     pub cost: f64,
-    pub planar_threshold: f64,
+    /// `None` for HACD.
+    pub planar_threshold: Option<f64>,
     /// Its place in the list of thresholds.
     index: usize,
 }
@@ -111,6 +116,11 @@ enum Average {
     Complete(f64),
     AboveThreshold(f64),
     AboveLeast(f64),
+}
+
+fn pieces(grouping: &Grouping) -> usize {
+    let groups = members(&grouping.labels, grouping.count);
+    groups.iter().filter(|group| group.len() > TOO_SMALL_TO_COUNT).count()
 }
 
 impl ThresholdSearch {
@@ -142,12 +152,13 @@ impl ThresholdSearch {
         };
         let grouping = grown.grouping.clone();
         self.last = Some((grown_at, grown));
-        let pieces = grouping.count;
+        let (groups, pieces) = (grouping.count, pieces(&grouping));
+        let planar_threshold = Some(planar_threshold);
         let epsilon = parameters.concavity_cost_threshold;
         let average = self.average_cost(mesh, &grouping, epsilon, control)?;
         let (Average::Complete(cost) | Average::AboveThreshold(cost) | Average::AboveLeast(cost)) =
             average;
-        let tried = Candidate { grouping, cost, planar_threshold, index };
+        let tried = Candidate { grouping, pieces, cost, planar_threshold, index };
         let outcome = match average {
             Average::AboveThreshold(_) => ThresholdOutcome::AbortedAboveThreshold,
             Average::AboveLeast(_) => ThresholdOutcome::AbortedAboveLeast,
@@ -158,7 +169,7 @@ impl ThresholdSearch {
         self.reports.push(ThresholdReport { planar_threshold, pieces, cost, outcome });
         let is_aborted = matches!(average, Average::AboveThreshold(_) | Average::AboveLeast(_));
         if !is_aborted {
-            let fewer = self.candidate.as_ref().is_none_or(|best| pieces < best.grouping.count);
+            let fewer = self.candidate.as_ref().is_none_or(|best| pieces < best.pieces);
             if outcome == ThresholdOutcome::CandidateAtOnce || (cost < epsilon && fewer) {
                 self.candidate = Some(tried.clone());
             }
@@ -166,7 +177,7 @@ impl ThresholdSearch {
                 self.cheapest = Some(tried);
             }
         }
-        if pieces == 1 {
+        if groups == 1 {
             if outcome != ThresholdOutcome::CandidateAtOnce
                 && let Some(report) = self.reports.last_mut()
             {
@@ -181,6 +192,24 @@ impl ThresholdSearch {
         Ok(())
     }
 
+    /// Ends with the only grouping that there is.
+    pub(crate) fn take(
+        &mut self,
+        mesh: &TriangleMesh,
+        grouping: Grouping,
+        control: &Control,
+    ) -> Result<(), Error> {
+        let average = self.average_cost(mesh, &grouping, f64::INFINITY, control)?;
+        let (Average::Complete(cost) | Average::AboveThreshold(cost) | Average::AboveLeast(cost)) =
+            average;
+        let (planar_threshold, pieces) = (None, pieces(&grouping));
+        let outcome = ThresholdOutcome::Candidate;
+        self.reports.push(ThresholdReport { planar_threshold, pieces, cost, outcome });
+        self.candidate = Some(Candidate { grouping, pieces, cost, planar_threshold, index: 0 });
+        self.finished = true;
+        Ok(())
+    }
+
     /// The candidate, once finished; before, the best so far.
     pub(crate) fn candidate(&self) -> Option<&Candidate> {
         self.candidate.as_ref().or(self.cheapest.as_ref())
@@ -188,8 +217,10 @@ impl ThresholdSearch {
 
     /// A search that has ended with this.
     #[cfg(test)]
-    pub(super) fn found(grouping: Grouping, cost: f64) -> Self {
-        let candidate = Some(Candidate { grouping, cost, planar_threshold: 0.2, index: 0 });
+    pub(super) fn found(pieces: usize, cost: f64) -> Self {
+        let grouping = Grouping::default();
+        let candidate =
+            Some(Candidate { grouping, pieces, cost, planar_threshold: Some(0.2), index: 0 });
         Self { finished: true, candidate, ..Self::default() }
     }
 
@@ -205,7 +236,7 @@ impl ThresholdSearch {
             };
         }
         for &planar_threshold in parameters.planar_thresholds.iter().skip(self.reports.len()) {
-            let outcome = ThresholdOutcome::NotTried;
+            let (planar_threshold, outcome) = (Some(planar_threshold), ThresholdOutcome::NotTried);
             self.reports.push(ThresholdReport { planar_threshold, pieces: 0, cost: 0.0, outcome });
         }
     }
@@ -279,7 +310,7 @@ mod tests {
             matches!(report.outcome, ThresholdOutcome::Candidate | ThresholdOutcome::MorePieces)
         });
         assert!(candidate.cost < 0.05);
-        assert_eq!(candidate.grouping.count, under.map(|report| report.pieces).min().unwrap());
+        assert_eq!(candidate.pieces, under.map(|report| report.pieces).min().unwrap());
     }
 
     #[test]
@@ -311,7 +342,7 @@ mod tests {
         ];
         assert_eq!(outcomes, expected);
         let candidate = found.candidate().unwrap();
-        assert_eq!((candidate.planar_threshold, candidate.cost), (0.1, costs[1]));
+        assert_eq!((candidate.planar_threshold, candidate.cost), (Some(0.1), costs[1]));
     }
 
     /// The outcomes on a torus; the first two p cost 0.004 and 0.005, the running average of the

@@ -1,5 +1,4 @@
-//! Error against time as SVG: one line per method through its settings. Text is in the reader's own
-//! sans-serif, so no fonts are needed to draw it.
+//! Error against time as SVG: one line per method through its settings.
 
 use std::collections::BTreeMap;
 use std::error::Error;
@@ -9,38 +8,18 @@ use plotters::prelude::*;
 
 use super::summary::{METHODS, Results};
 use crate::harness::Row;
+use crate::plots::{FONT, INK, LABEL_SIZE, LINE, PAPER, QUIET, SIZE, TITLE_SIZE, for_dark_pages};
 use crate::report::Plot;
 use crate::statistics::{geometric_mean, range};
 
-/// Width and height.
-const SIZE: (u32, u32) = (900, 560);
-
-/// Of the viewer's pages: what is behind everything, letters, quiet letters, lines.
-const PAPER: RGBColor = RGBColor(245, 246, 249);
-const INK: RGBColor = RGBColor(28, 32, 39);
-const QUIET: RGBColor = RGBColor(90, 98, 112);
-const LINE: RGBColor = RGBColor(217, 221, 229);
-
-/// The same colours for dark pages: the picture follows the reader's own choice.
-const DARK: [(RGBColor, &str); 4] =
-    [(PAPER, "#15181d"), (INK, "#eceff4"), (QUIET, "#9aa4b2"), (LINE, "#323843")];
-
-const FONT: &str = "sans-serif";
-
-/// What `sans-serif` becomes in the file: the letters of the reader's own system.
-const FONTS: &str = "system-ui, -apple-system, 'Segoe UI', Roboto, 'Noto Sans', sans-serif";
-
 const TITLE: &str = "Error against time";
-
-/// Sizes of letters in pixels.
-const TITLE_SIZE: i32 = 17;
-const LABEL_SIZE: i32 = 13;
 
 /// One per method, in the order of [`METHODS`]: distinct for colour-blind eyes too (Okabe and Ito).
 /// Then the method's name for people.
-const COLOURS: [(RGBColor, &str); 4] = [
+const COLOURS: [(RGBColor, &str); 5] = [
     (RGBColor(213, 94, 0), "Hullwright"),
     (RGBColor(0, 114, 178), "surface (the paper's)"),
+    (RGBColor(0, 158, 115), "HACD in its frame"),
     (RGBColor(204, 121, 167), "V-HACD in Parry"),
     (RGBColor(180, 140, 0), "CoACD (files)"),
 ];
@@ -175,23 +154,6 @@ fn draw(results: &Results<'_>) -> Result<String> {
         area.present()?;
     }
     Ok(for_dark_pages(&svg))
-}
-
-/// The same picture, dark where the reader prefers that.
-fn for_dark_pages(svg: &str) -> String {
-    let mut style = String::from("<style>@media (prefers-color-scheme: dark) {");
-    for (RGBColor(r, g, b), dark) in DARK {
-        let light = format!("#{r:02X}{g:02X}{b:02X}");
-        for property in ["fill", "stroke"] {
-            style += &format!("[{property}=\"{light}\"]{{{property}:{dark}}}");
-        }
-    }
-    style += "}</style>\n";
-    let svg = svg.replace(&format!("font-family=\"{FONT}\""), &format!("font-family=\"{FONTS}\""));
-    match svg.split_once(">\n") {
-        Some((head, rest)) => format!("{head}>\n{style}{rest}"),
-        None => svg,
-    }
 }
 
 /// Powers of ten around all values.

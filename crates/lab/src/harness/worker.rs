@@ -244,13 +244,16 @@ fn decompose(task: &Task, mesh: MeshView<'_>, is_parallel: bool) -> Result<Outpu
     Ok(Output {
         cost,
         details: match surface {
-            Some(report) => vec![
-                ("planar_threshold", report.planar_threshold),
-                ("resolution", report.resolution as f64),
-                ("average_pieces", report.average_pieces),
-                ("polygons", report.polygons as f64),
-                ("initial_polygons", report.initial_polygons as f64),
-            ],
+            Some(report) => {
+                let threshold = report.planar_threshold.map(|p| ("planar_threshold", p));
+                let rest = [
+                    ("resolution", report.resolution as f64),
+                    ("average_pieces", report.average_pieces),
+                    ("polygons", report.polygons as f64),
+                    ("initial_polygons", report.initial_polygons as f64),
+                ];
+                threshold.into_iter().chain(rest).collect()
+            }
             None => Vec::new(),
         },
         hulls: hull_meshes(&found.hulls),

@@ -11,6 +11,8 @@ use serde::{Deserialize, Serialize};
 pub enum Run {
     /// The paper's method, exactly.
     Surface,
+    /// HACD within its frame, with β.
+    Hacd { threshold: f64 },
     /// Ours, with this largest error as a fraction of the diagonal.
     Bounded { error: f64, preset: Preset },
     /// Parry's, as Rapier calls it.
@@ -36,6 +38,9 @@ const QUICK_BOUNDED_ERRORS: [f64; 3] = [0.01, 0.02, 0.04];
 /// takes 3 s a mesh, for a tenth less error.)
 const VHACD: [(u32, &[f64]); 2] = [(64, &[0.0025, 0.01, 0.04]), (128, &[0.0025, 0.01])];
 
+/// Around the default.
+const HACD_THRESHOLDS: [f64; 3] = [0.02, 0.05, 0.1];
+
 impl Run {
     /// Ours with its defaults and this bound.
     pub fn bounded(error: f64) -> Self {
@@ -45,6 +50,7 @@ impl Run {
     /// Everything that this program can run itself, each method's default setting first.
     pub fn own() -> Vec<Self> {
         let mut runs = vec![Self::Surface];
+        runs.extend(HACD_THRESHOLDS.map(|threshold| Self::Hacd { threshold }));
         runs.extend(BOUNDED_ERRORS.map(Self::bounded));
         for (resolution, concavities) in VHACD {
             let run = |&concavity: &f64| Self::Vhacd { concavity, resolution };
@@ -65,10 +71,11 @@ impl Run {
     pub const VHACD_DEFAULT: Self = Self::Vhacd { concavity: 0.01, resolution: 64 };
 
     /// The settings that stand for their methods in tables of one row per method.
-    pub fn defaults() -> [Self; 4] {
+    pub fn defaults() -> [Self; 5] {
         [
             Self::bounded(0.02),
             Self::Surface,
+            Self::Hacd { threshold: 0.05 },
             Self::VHACD_DEFAULT,
             Self::CoacdFiles { hulls: PathBuf::new(), seconds: 0.0 },
         ]
@@ -77,6 +84,7 @@ impl Run {
     pub fn method(&self) -> &'static str {
         match self {
             Self::Surface => "surface",
+            Self::Hacd { .. } => "hacd",
             Self::Bounded { .. } => "bounded",
             Self::Vhacd { .. } => "vhacd",
             Self::CoacdFiles { .. } => "coacd-files",
@@ -86,6 +94,7 @@ impl Run {
     pub fn setting(&self) -> String {
         match self {
             Self::Surface => "paper".into(),
+            Self::Hacd { threshold } => format!("threshold {threshold}"),
             Self::Bounded { error, preset: Preset::Balanced } => format!("error {error}"),
             Self::Bounded { error, preset } => format!("error {error}, {preset}"),
             Self::Vhacd { concavity, resolution } => {
@@ -99,7 +108,7 @@ impl Run {
     pub fn version(&self) -> String {
         let ours = env!("CARGO_PKG_VERSION");
         match self {
-            Self::Surface | Self::Bounded { .. } => {
+            Self::Surface | Self::Hacd { .. } | Self::Bounded { .. } => {
                 format!("hullwright {ours}, algorithm {}", hullwright::ALGORITHM_VERSION)
             }
             Self::Vhacd { .. } => format!("parry3d {}", parry_version()),
@@ -111,6 +120,11 @@ impl Run {
     pub fn own_method(&self) -> Option<Method> {
         match *self {
             Self::Surface => Some(SurfaceParameters::paper().into()),
+            Self::Hacd { threshold } => {
+                let mut hacd = SurfaceParameters::paper();
+                hacd.concavity_threshold = Some(threshold);
+                Some(hacd.into())
+            }
             Self::Bounded { error, preset } => Some(bounded(error).with_preset(preset).into()),
             _ => None,
         }
