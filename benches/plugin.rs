@@ -77,7 +77,7 @@ impl Watch {
 
 /// All, or those whose names begin as an argument does.
 fn main() {
-    let all: [(&str, fn()); 10] = [
+    let all: [(&str, fn()); 11] = [
         ("idle", idle),
         ("falling", falling),
         ("known mesh", known_mesh),
@@ -88,6 +88,7 @@ fn main() {
         ("pulsing scales", || [30, 500].into_iter().for_each(pulsing)),
         ("tasks of Bevy's", bevys_own_tasks),
         ("Rapier's own", rapiers_own),
+        ("level", level),
     ];
     let wanted: Vec<String> = std::env::args().skip(1).filter(|arg| arg != "--bench").collect();
     for (name, measure) in all {
@@ -320,6 +321,70 @@ fn baked_props() {
         let counters = app.world().resource::<DecompositionCounters>();
         assert_eq!((counters.baked, counters.decomposed), (PROPS, 0));
         println!("{PROPS} baked props {name}: all are ready after {frames} frames (target 20)");
+    }
+}
+
+/// The bound of a level's triangles, and the sides of its cells, in metres.
+const LEVEL_BOUND: f32 = 0.02;
+const CELLS: [f32; 2] = [10.0, 60.0];
+
+/// A level that never moves, of which an argument names the file, as `cargo lab level DIR -o REPORT
+/// --write LEVEL.glb` writes it.
+fn level() {
+    let Some(path) = std::env::args().find(|argument| argument.ends_with(".glb")) else {
+        println!("level: not without the file of one, LEVEL.glb");
+        return;
+    };
+    let scene = hullwright_formats::read_scene(path).unwrap();
+    for (name, bound, cell) in [
+        ("as it was modelled", None, None),
+        ("within 2 cm", Some(LEVEL_BOUND), None),
+        ("within 2 cm, cells of 10 m", Some(LEVEL_BOUND), Some(CELLS[0])),
+        ("within 2 cm, cells of 60 m", Some(LEVEL_BOUND), Some(CELLS[1])),
+    ] {
+        let mut app = app_with_bodies();
+        app.world_mut().resource_mut::<HullwrightSettings>().level_bound = bound;
+        let hierarchy = ConvexDecompositionHierarchy::default();
+        let hierarchy = cell.map_or(hierarchy.clone(), |cell| hierarchy.with_cells(cell));
+        let root = app.world_mut().spawn((Transform::default(), RigidBody::Fixed, hierarchy)).id();
+        for mesh in &scene {
+            let positions: Vec<[f32; 3]> =
+                mesh.mesh.positions.iter().map(|p| p.map(|x| x as f32)).collect();
+            let indices = mesh.mesh.triangles.iter().flatten().copied().collect();
+            let handle = add(
+                &mut app,
+                Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::default())
+                    .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, positions)
+                    .with_inserted_indices(Indices::U32(indices)),
+            );
+            for node in &mesh.nodes {
+                let columns = node.transform.unwrap_or_default();
+                let [x, y, z, place] = columns.map(|column| Vec3::from(column.map(|x| x as f32)));
+                let affine =
+                    bevy::math::Affine3A::from_cols(x.into(), y.into(), z.into(), place.into());
+                let transform = Transform::from_matrix(affine.into());
+                app.world_mut().spawn((Mesh3d(handle.clone()), transform, ChildOf(root)));
+            }
+        }
+        app.world_mut().resource_mut::<Watch>().by_processor = true;
+        let (start, mut times, mut longest) = (Instant::now(), Vec::new(), Duration::ZERO);
+        // The tags of the hierarchy come in the first frame.
+        while times.is_empty() || !is_finished(&mut app) {
+            app.update();
+            times.push(taken(&app));
+            longest = longest.max(app.world().resource::<Watch>().processor_taken);
+            std::thread::sleep(PAUSE);
+        }
+        let (seconds, frames) = (start.elapsed().as_secs_f64(), times.len());
+        let world = app.world_mut();
+        let colliders = world.query::<&Collider>().iter(world).count();
+        let [wall, longest] = [times.iter().max().copied().unwrap_or_default(), longest]
+            .map(|time| microseconds(time) / 1e3);
+        println!(
+            "level {name}: {colliders} colliders after {seconds:.1} s and {frames} frames; the plugin's \
+             systems take {longest:.2} ms in the longest by the processor's clock, {wall:.2} ms on \
+             the wall (target 4)"
+        );
     }
 }
 
