@@ -1,7 +1,9 @@
 // The module's functions in their public form: what a worker runs, and what `direct` hands to those who have one.
 
 import type { HullArrays, MeshArrays, NamedFiles } from "./arguments.js";
-import type { Decomposition, Hull, Measurement, MergeTree, Progress, ReadMesh } from "./types.js";
+import type {
+  Bytes, Decomposition, Float64s, Hull, Measurement, MergeTree, Progress, ReadMesh, Uint32s,
+} from "./types.js";
 import * as glue from "#glue";
 
 /** What a worker is sent: a function and its arguments, of which functions can't be sent. */
@@ -73,7 +75,7 @@ export const calls = (onProgress?: (progress: Progress) => void): Calls => ({
       using(glue.decompose(mesh, parameters, listener), (result) => {
         const { report, run, remarks, mass } = parse(result.report);
         const hulls = using(result.arrays(), separate);
-        return { hulls, report: { ...report, ...run, remarks }, mass, hullsFile: result.file };
+        return { hulls, report: { ...report, ...run, remarks }, mass, hullsFile: result.file as Bytes };
       }),
     );
   },
@@ -102,9 +104,9 @@ export const calls = (onProgress?: (progress: Progress) => void): Calls => ({
     return using(new glue.MeshReader(), (reader) => {
       for (const [path, bytes] of others) reader.add(path, bytes);
       return using(reader.read(format, main), ({ positions, indices, doubleSided, objects }) => ({
-        positions,
-        indices,
-        doubleSided,
+        positions: positions as Float64s,
+        indices: indices as Uint32s,
+        doubleSided: doubleSided as Bytes,
         objects: JSON.parse(objects),
       }));
     });

@@ -4,7 +4,7 @@
 
 import { hullArrays, meshArrays, namedFiles, parameterText } from "./arguments.js";
 import * as module from "./calls.js";
-import { HullwrightError, plain } from "./error.js";
+import { checked, HullwrightError, plain, typed as typedError } from "./error.js";
 import type {
   Decomposition, Hulls, Measurement, MergeTree, Mesh, MeshFiles, MeshFormat, Options, Parameters, ReadMesh,
 } from "./types.js";
@@ -16,16 +16,26 @@ export type ModuleSource = WebAssembly.Module | BufferSource | Response;
 
 /** Makes the module ready. */
 export async function load(given: ModuleSource | Promise<ModuleSource>): Promise<void> {
-  const source = await given;
-  const isResponse = typeof Response !== "undefined" && source instanceof Response;
-  const bytes = isResponse ? await source.arrayBuffer() : source;
-  module.start(bytes instanceof WebAssembly.Module ? bytes : await WebAssembly.compile(bytes as BufferSource));
+  try {
+    const source = await given;
+    const isResponse = typeof Response !== "undefined" && source instanceof Response;
+    if (isResponse && !source.ok) throw new Error(`${source.url}: ${source.status} ${source.statusText}`);
+    const bytes = isResponse ? await source.arrayBuffer() : source;
+    module.start(bytes instanceof WebAssembly.Module ? bytes : await WebAssembly.compile(bytes as BufferSource));
+    isLoaded = true;
+  } catch (error) {
+    throw typedError(error, "module");
+  }
 }
 
+let isLoaded = false;
+
 /** The module's errors as those of the package. */
-function typed<T>(call: () => T): T {
+function typed<A, T>(makeArgs: () => A, call: (args: A) => T): T {
+  const args = checked(makeArgs);
+  if (!isLoaded) throw new HullwrightError("module", "the module is not loaded: `await load(module)` first");
   try {
-    return call();
+    return call(args);
   } catch (error) {
     if (error instanceof HullwrightError) throw error;
     const { code, message } = plain(error);
@@ -35,20 +45,32 @@ function typed<T>(call: () => T): T {
 
 /** Decomposes a mesh into convex hulls. */
 export function decompose(mesh: Mesh, options: Options = {}): Decomposition {
-  return typed(() => module.calls(options.onProgress).decompose(meshArrays(mesh), parameterText(options)));
+  return typed(
+    () => [meshArrays(mesh), parameterText(options)] as const,
+    (args) => module.calls(options?.onProgress).decompose(...args),
+  );
 }
 
 /** Samples how far hulls are from a mesh, and the mesh from them. */
 export function measure(mesh: Mesh, hulls: Hulls, options: Parameters = {}): Measurement {
-  return typed(() => module.calls().measure(meshArrays(mesh), hullArrays(hulls), parameterText(options)));
+  return typed(
+    () => [meshArrays(mesh), hullArrays(hulls), parameterText(options)] as const,
+    (args) => module.calls().measure(...args),
+  );
 }
 
 /** Joins hulls down to one. */
 export function mergeTree(mesh: Mesh, hulls: Hulls, options: Parameters = {}): MergeTree {
-  return typed(() => module.calls().mergeTree(meshArrays(mesh), hullArrays(hulls), parameterText(options)));
+  return typed(
+    () => [meshArrays(mesh), hullArrays(hulls), parameterText(options)] as const,
+    (args) => module.calls().mergeTree(...args),
+  );
 }
 
 /** Reads a mesh file. */
 export function readMesh(files: MeshFiles, format?: MeshFormat): ReadMesh {
-  return typed(() => module.calls().readMesh(namedFiles(files, format)));
+  return typed(
+    () => [namedFiles(files, format)] as const,
+    (args) => module.calls().readMesh(...args),
+  );
 }

@@ -1,6 +1,8 @@
 // Worker and module as files of their own, which the page's server hands out: `import { createPool } from
 // "hullwright/files"`. For pages whose policy forbids workers made of text, and for those who count bytes.
 
+import { checkedOptions } from "./arguments.js";
+import { refuse } from "./error.js";
 import { createPoolFrom, type PoolOptions, type ReadingPool } from "./pool.js";
 import { startThread } from "./thread.js";
 
@@ -13,7 +15,9 @@ export interface Files {
   worker: URL | string;
 }
 
-export function createPool({ module, worker, ...options }: Files & PoolOptions): ReadingPool {
+export function createPool(files: Files & PoolOptions): ReadingPool {
+  const { module, worker, ...options } = checkedOptions(files);
+  if (!module || !worker) return refuse("`module` and `worker` say where the files are");
   const absolute = (url: URL | string) => new URL(url, globalThis.location?.href);
   const compile = async () => {
     if (module instanceof WebAssembly.Module) return module;

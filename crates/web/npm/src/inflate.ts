@@ -5,5 +5,7 @@ export async function inflate(base64: string, format: CompressionFormat): Promis
   const letters = atob(base64);
   const bytes = new Uint8Array(letters.length);
   for (let i = 0; i < bytes.length; i++) bytes[i] = letters.charCodeAt(i);
-  return new Response(new Blob([bytes]).stream().pipeThrough(new DecompressionStream(format))).arrayBuffer();
+  // Not the stream of a `Blob`, which jsdom's lacks.
+  const { body } = new Response(bytes);
+  return new Response(body!.pipeThrough(new DecompressionStream(format))).arrayBuffer();
 }

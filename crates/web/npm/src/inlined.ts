@@ -13,6 +13,8 @@ export function inlined(module: string, code: string): (options?: PoolOptions) =
     module() {
       const known = compiled.get(module) ?? inflate(module, "gzip").then((bytes) => WebAssembly.compile(bytes));
       compiled.set(module, known);
+      // What failed may work next time.
+      known.catch(() => compiled.delete(module));
       return known;
     },
     worker: () => startThread({ code }),
@@ -20,8 +22,17 @@ export function inlined(module: string, code: string): (options?: PoolOptions) =
   return (options) => createPoolFrom(source, options);
 }
 
-/** A pool that is made when it is first used. */
-export function lazy<P extends Pool>(create: () => P): () => P {
-  let pool: P | undefined;
-  return () => (pool ??= create());
+/** After so long without work the shared worker ends, and its memory is given back. */
+const IDLE_SECONDS = 60;
+
+/** A pool that is made when it is first used, and again after it was closed. */
+export function lazy<P extends Pool>(create: (options: PoolOptions) => P): { pool(): P; close(): void } {
+  let made: P | undefined;
+  return {
+    pool: () => (made ??= create({ idleSeconds: IDLE_SECONDS })),
+    close() {
+      made?.close();
+      made = undefined;
+    },
+  };
 }

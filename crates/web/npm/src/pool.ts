@@ -1,9 +1,10 @@
 // Workers and their jobs. A worker has one job at a time; one that is cancelled or trapped is ended, and a fresh one takes
 // its place. The module is compiled once.
 
-import { hullArrays, meshArrays, namedFiles, parameterText } from "./arguments.js";
+import { checkedOptions, hullArrays, meshArrays, namedFiles, parameterText } from "./arguments.js";
 import { buffersIn, type Call } from "./calls.js";
-import { HullwrightError, plain } from "./error.js";
+import { checked, HullwrightError, refuse, typed, wordsOf } from "./error.js";
+import { torus } from "./torus.js";
 import type { Reply, Request } from "./worker.js";
 import type {
   Cancellable, Decomposition, Hulls, Measurement, MergeTree, Mesh, MeshFiles, MeshFormat, Options, Parameters, Progress,
@@ -31,7 +32,7 @@ export interface Thread {
 interface Job {
   request: Request;
   transfer: ArrayBuffer[];
-  onProgress?: (progress: Progress) => void;
+  onProgress: ((progress: Progress) => void) | undefined;
   resolve(value: unknown): void;
   reject(error: unknown): void;
 }
@@ -40,12 +41,34 @@ interface Seat {
   thread: Promise<Thread>;
   /** Whether it was sent the module. */
   hasModule: boolean;
-  job?: Job;
+  job?: Job | undefined;
+  /** Ends it, unless there is work before. */
+  idle?: ReturnType<typeof setTimeout>;
 }
 
 export interface PoolOptions {
   /** Workers at most, each with a memory of its own; they start when there is work. Default 1. */
-  size?: number;
+  size?: number | undefined;
+  /** After so many seconds without work a worker ends, and its memory is given back. Default: never. */
+  idleSeconds?: number | undefined;
+}
+
+/** Runs after which the first call takes about twice the time of a later one; of 16 as long, but they take a second. */
+const WARMING = 4;
+
+/** A listener for each signal, however many jobs it has: runtimes warn of more than ten. */
+const listeners = new WeakMap<AbortSignal, Set<() => void>>();
+
+/** Calls `abort` when the signal is aborted, until what is returned is called. */
+function onAbort(signal: AbortSignal, abort: () => void): () => void {
+  let all = listeners.get(signal);
+  if (!all) {
+    const made = (all = new Set());
+    signal.addEventListener("abort", () => [...made].forEach((listener) => listener()), { once: true });
+    listeners.set(signal, all);
+  }
+  all.add(abort);
+  return () => all.delete(abort);
 }
 
 /** The functions that run in workers. */
@@ -56,6 +79,9 @@ export interface Pool {
   measure(mesh: Mesh, hulls: Hulls, options?: Parameters & Cancellable): Promise<Measurement>;
   /** Joins hulls down to one: the pair that protrudes least goes first. `options` are what the hulls were made with. */
   mergeTree(mesh: Mesh, hulls: Hulls, options?: Parameters & Cancellable): Promise<MergeTree>;
+  /** Starts a worker, and has it work for half a second on a mesh of its own: engines compile the module a second time, and
+   * better, once it has run. Without it the first calls of a page take up to five times as long as later ones. */
+  prepare(): Promise<void>;
   /** Ends all workers. What is not done yet is rejected with the code `closed`, and so is what comes later. */
   close(): void;
 }
@@ -66,7 +92,10 @@ export interface ReadingPool extends Pool {
   readMesh(files: MeshFiles, format?: MeshFormat, options?: Cancellable): Promise<ReadMesh>;
 }
 
-export function createPoolFrom(source: Source, { size = 1 }: PoolOptions = {}): ReadingPool {
+export function createPoolFrom(source: Source, options?: PoolOptions | null): ReadingPool {
+  const { size = 1, idleSeconds = Infinity } = checkedOptions(options);
+  if (!(typeof size === "number" && size >= 1)) return refuse(`\`size\` is at least 1, not ${size}`);
+  if (!(typeof idleSeconds === "number" && idleSeconds >= 0)) return refuse(`\`idleSeconds\` is at least 0, not ${idleSeconds}`);
   const seats: Seat[] = [];
   const queue: Job[] = [];
   let module: Promise<WebAssembly.Module> | undefined;
@@ -80,6 +109,7 @@ export function createPoolFrom(source: Source, { size = 1 }: PoolOptions = {}): 
   /** The worker is no more, or of no more use. */
   function dismiss(seat: Seat) {
     remove(seats, seat);
+    clearTimeout(seat.idle);
     seat.job = undefined;
     seat.thread.then((thread) => thread.end(), () => undefined);
   }
@@ -89,13 +119,20 @@ export function createPoolFrom(source: Source, { size = 1 }: PoolOptions = {}): 
     const fail = (error: unknown) => {
       const { job } = made;
       dismiss(made);
-      job?.reject(error instanceof HullwrightError ? error : new HullwrightError("worker", plain(error).message));
+      job?.reject(typed(error, "worker"));
       work();
     };
     const onReply = (reply: Reply) => {
       const { job } = made;
       if (!job) return;
-      if ("progress" in reply) return void job.onProgress?.(reply.progress);
+      if ("progress" in reply) {
+        try {
+          job.onProgress?.(reply.progress);
+        } catch (error) {
+          fail(new HullwrightError("callback", `onProgress: ${wordsOf(error)}`, { cause: error }));
+        }
+        return;
+      }
       if ("error" in reply) {
         const error = new HullwrightError(reply.error.code, reply.error.message);
         if (error.code === "trap" || error.code === "worker") return fail(error);
@@ -115,6 +152,10 @@ export function createPoolFrom(source: Source, { size = 1 }: PoolOptions = {}): 
   function release(seat: Seat) {
     seat.job = undefined;
     void seat.thread.then((thread) => thread.hold(false));
+    if (idleSeconds === Infinity) return;
+    seat.idle = setTimeout(() => seat.job ?? dismiss(seat), 1000 * idleSeconds);
+    // In Node, where it would keep the process alive.
+    (seat.idle as { unref?(): void }).unref?.();
   }
 
   /** Gives jobs to workers, as long as there are both. */
@@ -124,6 +165,7 @@ export function createPoolFrom(source: Source, { size = 1 }: PoolOptions = {}): 
       if (!idle && seats.length >= Math.max(1, size)) return;
       const free = idle ?? seat();
       const job = (free.job = queue.shift()!);
+      clearTimeout(free.idle);
       module ??= source.module();
       const sent = free.hasModule ? undefined : module;
       Promise.all([free.thread, sent]).then(
@@ -138,21 +180,24 @@ export function createPoolFrom(source: Source, { size = 1 }: PoolOptions = {}): 
           module = undefined;
           if (free.job !== job) return;
           dismiss(free);
-          job.reject(new HullwrightError("worker", plain(error).message));
+          job.reject(typed(error, "worker"));
           work();
         },
       );
     }
   }
 
-  function run(call: Call, makeArgs: () => unknown[], options: Options & Cancellable = {}): Promise<any> {
-    const { signal, onProgress } = options;
+  function run(call: Call, makeArgs: () => unknown[], options?: (Options & Cancellable) | null): Promise<any> {
     return new Promise((resolve, reject) => {
+      const { signal, onProgress } = checkedOptions(options);
+      if (signal && typeof signal.throwIfAborted !== "function") refuse("`signal` is no `AbortSignal`");
+      if (onProgress && typeof onProgress !== "function") refuse("`onProgress` is no function");
       signal?.throwIfAborted();
       if (isClosed) throw new HullwrightError("closed", "the pool is closed");
-      const args = makeArgs();
+      const args = checked(makeArgs);
+      let stopListening: (() => void) | undefined;
       const settle = <T>(then: (value: T) => void) => (value: T) => {
-        signal?.removeEventListener("abort", abort);
+        stopListening?.();
         then(value);
       };
       const job: Job = {
@@ -171,7 +216,7 @@ export function createPoolFrom(source: Source, { size = 1 }: PoolOptions = {}): 
         if (busy && !isClosed && queue.length === 0) seat();
         work();
       }
-      signal?.addEventListener("abort", abort);
+      stopListening = signal && onAbort(signal, abort);
       queue.push(job);
       work();
     });
@@ -184,6 +229,9 @@ export function createPoolFrom(source: Source, { size = 1 }: PoolOptions = {}): 
     mergeTree: (mesh, hulls, options) =>
       run("mergeTree", () => [meshArrays(mesh), hullArrays(hulls), parameterText(options)], options),
     readMesh: (files, format, options) => run("readMesh", () => [namedFiles(files, format)], options),
+    async prepare() {
+      for (let i = 0; i < WARMING; i++) await run("decompose", () => [meshArrays(torus()), ""]);
+    },
     close() {
       isClosed = true;
       const error = new HullwrightError("closed", "the pool is closed");

@@ -1,5 +1,6 @@
 // Colliders for Rapier's JavaScript builds, which this file only sees as an argument.
 
+import { refuse } from "./error.js";
 import type { Decomposition } from "./types.js";
 
 /** What is taken of `@dimforge/rapier3d` or `@dimforge/rapier3d-compat`. */
@@ -28,11 +29,11 @@ interface Vector {
 
 export interface ColliderOptions {
   /** Mass per cubed unit of the scaled mesh. Default 1. */
-  density?: number;
+  density?: number | undefined;
   /** Multiplies the mesh. Default 1. */
-  scale?: number;
+  scale?: number | undefined;
   /** One collider with all hulls, where Rapier has such (0.21). Default true. */
-  compound?: boolean;
+  compound?: boolean | undefined;
 }
 
 const vector = ([x, y, z]: readonly number[], factor = 1): Vector => ({ x: factor * x, y: factor * y, z: factor * z });
@@ -49,6 +50,9 @@ export function toRapier<Desc extends Described>(
   { hulls, mass }: Pick<Decomposition, "hulls" | "mass">,
   { density = 1, scale = 1, compound = true }: ColliderOptions = {},
 ): Desc[] {
+  const isPositive = (value: unknown) => typeof value === "number" && value > 0 && value < Infinity;
+  if (!isPositive(density)) return refuse(`\`density\` is above 0, not ${density}`);
+  if (!isPositive(scale)) return refuse(`\`scale\` is above 0, not ${scale}`);
   const shapes = hulls.map(({ points, indices }, index) => {
     const scaled = scale === 1 ? points : points.map((x) => x * scale);
     const shape = usable(new RAPIER.ConvexPolyhedron(scaled, indices)) ?? usable(new RAPIER.ConvexPolyhedron(scaled));

@@ -11,6 +11,21 @@ export async function startThread(script: { code: string } | { url: URL }): Prom
 /** One for all workers: they are few, and the page keeps it. */
 const codeUrls = new Map<string, string>();
 
+interface Policies {
+  createPolicy(name: string, rules: { createScriptURL(url: string): string }): { createScriptURL(url: string): unknown };
+}
+
+/** Made once: pages mostly allow each name once. */
+let policy: ReturnType<Policies["createPolicy"]> | undefined;
+
+/** For pages that want Trusted Types: those that allow the policy `hullwright`. */
+function trusted(url: string | URL): string | URL {
+  const { trustedTypes } = globalThis as { trustedTypes?: Policies };
+  if (!trustedTypes) return url;
+  policy ??= trustedTypes.createPolicy("hullwright", { createScriptURL: (url) => url });
+  return policy.createScriptURL(String(url)) as string;
+}
+
 function webThread(script: { code: string } | { url: URL }): Thread {
   let url: string | URL;
   if ("url" in script) url = script.url;
@@ -19,7 +34,7 @@ function webThread(script: { code: string } | { url: URL }): Thread {
     url = known ?? URL.createObjectURL(new Blob([script.code], { type: "text/javascript" }));
     codeUrls.set(script.code, String(url));
   }
-  const worker = new Worker(url);
+  const worker = new Worker(trusted(url));
   return {
     post: (message, transfer) => worker.postMessage(message, transfer),
     listen(onReply, onError) {
@@ -45,6 +60,8 @@ async function nodeThread(script: { code: string } | { url: URL }): Promise<Thre
       worker.on("message", onReply);
       worker.on("error", (error) => onError(error instanceof Error ? error.message : String(error)));
       worker.on("messageerror", () => onError("the worker sent what can't be read"));
+      // Also where something else has ended it.
+      worker.on("exit", () => onError("the worker has ended"));
     },
     // An idle worker does not keep the process alive.
     hold: (isHeld) => (isHeld ? worker.ref() : worker.unref()),

@@ -3,35 +3,41 @@
 /** A fraction of the bounding box's diagonal (`"2%"`), or a length in the mesh's units (`"0.02m"`). */
 export type Length = `${number}%` | `${number}m` | (string & {});
 
+/** Arrays in memory of their own. From TypeScript 5.7 on they say so, as `Blob` wants it, before they can't. */
+export type Bytes = ReturnType<Uint8ArrayConstructor["of"]>;
+export type Uint32s = ReturnType<Uint32ArrayConstructor["of"]>;
+export type Float32s = ReturnType<Float32ArrayConstructor["of"]>;
+export type Float64s = ReturnType<Float64ArrayConstructor["of"]>;
+
 /** A mesh: three numbers a vertex, three indices a triangle. It is copied and stays yours. */
 export interface Mesh {
   positions: Float32Array | Float64Array | ArrayLike<number>;
   /** Left out, every three vertices are a triangle. */
-  indices?: Uint32Array | Uint16Array | ArrayLike<number>;
+  indices?: Uint32Array | Uint16Array | ArrayLike<number> | undefined;
   /** A byte a triangle, 1 where both its sides are drawn. With it openings are judged better. */
-  doubleSided?: Uint8Array;
+  doubleSided?: Uint8Array | undefined;
 }
 
 /** The library's parameters, in its names. What is left out has its default. */
 export interface Parameters {
   /** The bound on protrusion and uncovered distance. Default `"2%"`. */
-  maxError?: Length;
+  maxError?: Length | undefined;
   /** How long the search takes. Default `"balanced"`. */
-  preset?: "fast" | "balanced" | "fine";
+  preset?: "fast" | "balanced" | "fine" | undefined;
   /** The largest number of hulls. Default `"none"`. Where the bound needs more, the error exceeds it. */
-  maxHulls?: number | "none";
+  maxHulls?: number | "none" | undefined;
   /** The largest number of vertices of a hull, at least 8. Default 64. */
-  maxVertices?: number | "none";
+  maxVertices?: number | "none" | undefined;
   /** Half the thickness of the thinnest thing that moves: hulls may fill what it can't enter. Default `"none"`. */
-  probeRadius?: Length | "none";
+  probeRadius?: Length | "none" | undefined;
   /** Points of closed rooms that stay open; only with `probeRadius`. */
-  probeFrom?: readonly (readonly [number, number, number])[];
+  probeFrom?: readonly (readonly [number, number, number])[] | undefined;
   /** Whether cavities that nothing can enter stay empty. Default false. */
-  keepCavities?: boolean;
+  keepCavities?: boolean | undefined;
   /** What becomes of the sides that a modeller leaves out. Default `"auto"`. */
-  openings?: "auto" | "keep" | "close";
+  openings?: "auto" | "keep" | "close" | undefined;
   /** Default `"y"`. */
-  upAxis?: "y" | "z";
+  upAxis?: "y" | "z" | undefined;
 }
 
 /** How far the work has come: a stage's name, and the fraction of the whole, which never falls. */
@@ -42,21 +48,21 @@ export interface Progress {
 
 export interface Options extends Parameters {
   /** Called in the caller's thread while the worker works. */
-  onProgress?: (progress: Progress) => void;
+  onProgress?: ((progress: Progress) => void) | undefined;
 }
 
 /** For functions that run in a worker of this package. */
 export interface Cancellable {
   /** Ends the work at once; the promise is rejected with the signal's reason. */
-  signal?: AbortSignal;
+  signal?: AbortSignal | undefined;
 }
 
 /** A convex hull as engines take it: in single precision convex as it stands, wound outward. */
 export interface Hull {
   /** Three numbers a point, in the mesh's units. */
-  points: Float32Array;
+  points: Float32s;
   /** Three a triangle. */
-  indices: Uint32Array;
+  indices: Uint32s;
   /** No point of the hull is farther than this outside the solid, in the mesh's units; NaN where it was not verified. */
   protrusion: number;
 }
@@ -115,7 +121,7 @@ export interface Decomposition {
   report: Report;
   mass: Mass;
   /** A `.hulls` file: hulls in double precision with their errors and mass, as the command and `HullsFile` in Rust read it. */
-  hullsFile: Uint8Array;
+  hullsFile: Bytes;
 }
 
 /** Distances of sampled points, as fractions of the diagonal. */
@@ -168,17 +174,20 @@ export interface MergeTree {
   joined: [number, number][];
 }
 
-/** A file's bytes, or several files by their paths, for a glTF that names others. */
-export type MeshFiles = Uint8Array | ArrayBuffer | Record<string, Uint8Array | ArrayBuffer>;
+/** A file's bytes, or its text. */
+export type FileContent = Uint8Array | ArrayBuffer | string;
+
+/** A file, or several files by their paths, for a glTF that names others. */
+export type MeshFiles = FileContent | Record<string, FileContent>;
 
 export type MeshFormat = "obj" | "off" | "ply" | "stl" | "gltf" | "glb";
 
 /** What a file holds, in its own units. */
 export interface ReadMesh {
-  positions: Float64Array;
-  indices: Uint32Array;
+  positions: Float64s;
+  indices: Uint32s;
   /** Empty where the file says nothing of sides. */
-  doubleSided: Uint8Array;
+  doubleSided: Bytes;
   /** The named parts, in triangles. */
   objects: { name: string; start: number; count: number }[];
 }

@@ -103,7 +103,7 @@ test("bad input is refused with a code and a reason, by workers and without them
     ["invalid_parameter", /a percentage of the diagonal/, mesh, { maxError: 0.02 }],
     ["invalid_parameter", /must be positive/, mesh, { maxError: "-1%" }],
     ["invalid_parameter", /at least 8/, mesh, { maxVertices: 3 }],
-    ["invalid_parameter", /max_hulls/, mesh, { maxHulls: 0 }],
+    ["invalid_parameter", /maxHulls/, mesh, { maxHulls: 0 }],
     ["invalid_parameter", /fast, balanced or fine/, mesh, { preset: "best" }],
     ["invalid_parameter", /max_eror/, mesh, { maxEror: "2%" }],
   ];

@@ -40,6 +40,19 @@ test("the tarball holds what its exports name, the licences and a description, a
   assert.ok(!paths.some((path) => /^(src|tests|build)\//.test(path)), String(paths));
 });
 
+test("`main` and `package.json` are found by what knows no exports, and one function brings no module along", () => {
+  const { main, types } = JSON.parse(readFileSync(`${PACKAGE}/package.json`, "utf8"));
+  assert.deepEqual([main, types], ["./dist/index.js", "./dist/index.d.ts"]);
+  const place = project("one", {}, {
+    "main.mjs": `import { hullsAt } from "hullwright"; console.log(hullsAt);`,
+    "name.mjs": `import { createRequire } from "node:module"; console.log(createRequire(import.meta.url)("hullwright/package.json").name);`,
+  });
+  assert.equal(run("node", ["name.mjs"], place).trim(), "hullwright");
+  run(join(PACKAGE, "node_modules/.bin/esbuild"), ["main.mjs", "--bundle", "--format=esm", "--minify", "--outfile=out.js", "--log-level=error"], place);
+  const { length } = readFileSync(join(place, "out.js"));
+  assert.ok(length < 5000, `${length} bytes`);
+});
+
 test("a program of Node decomposes, and ends by itself", () => {
   const place = project("node", {}, {
     "main.mjs": `
@@ -62,12 +75,14 @@ test("a program of TypeScript is checked against the package's types, also witho
       import { createPool } from "hullwright/files";
       import { load } from "hullwright/direct";
       import { BoxGeometry } from "three";
-      const result: Decomposition = await decompose(fromGeometry(new BoxGeometry()), { maxError: "2%", preset: "fast" });
+      const maybe: AbortSignal | undefined = undefined;
+      const result: Decomposition = await decompose(fromGeometry(new BoxGeometry()), { maxError: "2%", preset: "fast", signal: maybe });
+      new Blob([result.hullsFile, result.hulls[0].points]);
       const all: RAPIER.ColliderDesc[] = toRapier(RAPIER, result);
       // @ts-expect-error: no such preset
       decompose({ positions: [] }, { preset: "best" }).catch((error: HullwrightError) => error.code);
       export { all, createPool, load, toGeometries };`,
-    "tsconfig.json": JSON.stringify({ compilerOptions: { module: "nodenext", target: "es2022", strict: true, noEmit: true, skipLibCheck: false, types: [], lib: ["es2023", "dom"] } }),
+    "tsconfig.json": JSON.stringify({ compilerOptions: { module: "nodenext", target: "es2022", strict: true, exactOptionalPropertyTypes: true, noEmit: true, skipLibCheck: false, types: [], lib: ["es2023", "dom"] } }),
   });
   // Other packages' own errors are theirs.
   let found = "";
