@@ -101,7 +101,9 @@ test("the slider joins hulls, and files and tag are of what is shown", async ({ 
   const json = JSON.parse(glb.subarray(20, 20 + glb.readUInt32LE(12)).toString());
   expect(json.meshes).toHaveLength(5);
   await page.locator("#copy-tag").click();
-  await expect(page.locator("#status")).toHaveText("copied: ConvexDecomposition::default().with_max_error(0.03)");
+  await expect(page.locator("#status")).toHaveText("copied: ConvexDecomposition::default().with_max_error(0.03).with_max_hulls(5)");
+  await page.locator("#copy-js").click();
+  await expect(page.locator("#status")).toHaveText('copied: await decompose(mesh, { maxError: "3%", maxHulls: 5 })');
 });
 
 test("a bundled model drops in Rapier, and balls hit it", async ({ page }) => {
@@ -111,6 +113,14 @@ test("a bundled model drops in Rapier, and balls hit it", async ({ page }) => {
   await expect.poll(async () => Number((await physics.getAttribute("data-height")) ?? NaN), { timeout: 60_000 }).toBeLessThan(2.2);
   await page.keyboard.press("Space");
   await page.locator("#physics-canvas").click();
+  await expect(physics).toHaveAttribute("data-balls", "2");
+  // What is dragged turns the view, and throws nothing.
+  const { x, y, width, height: tall } = (await page.locator("#physics-canvas").boundingBox())!;
+  await page.mouse.move(x + width / 2, y + tall / 2);
+  await page.mouse.down();
+  await page.mouse.move(x + width / 2 + 120, y + tall / 2 - 40, { steps: 5 });
+  await page.mouse.up();
+  await page.keyboard.press("ArrowLeft");
   await expect(physics).toHaveAttribute("data-balls", "2");
   await page.waitForTimeout(1000);
   const height = Number(await physics.getAttribute("data-height"));

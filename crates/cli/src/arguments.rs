@@ -112,7 +112,7 @@ pub struct ParameterArguments {
     #[arg(long, value_name = "WHICH")]
     openings: Option<Openings>,
 
-    /// y (default) or z: where auto looks for a bottom to close
+    /// y (default) or z: the way up, for openings
     #[arg(long, value_name = "AXIS")]
     up_axis: Option<UpAxis>,
 

@@ -1,8 +1,8 @@
 // The hulls in Rapier's own wasm build: they fall on a floor, and balls are thrown at them.
 
 import {
-  AmbientLight, BufferAttribute, BufferGeometry, Color, DirectionalLight, Group, Mesh, MeshStandardMaterial, PerspectiveCamera,
-  PlaneGeometry, Raycaster, Scene, SphereGeometry, Vector2, Vector3, WebGLRenderer,
+  AmbientLight, BufferAttribute, BufferGeometry, Color, DirectionalLight, GridHelper, Group, Mesh, MeshStandardMaterial,
+  PerspectiveCamera, PlaneGeometry, Raycaster, Scene, SphereGeometry, Vector2, Vector3, WebGLRenderer,
 } from "three";
 import { toRapier } from "../../../crates/web/npm/src/rapier";
 import type { Hull, Mass } from "../../../crates/web/npm/src/types";
@@ -25,6 +25,19 @@ const BALL = 0.22;
 const SPEED = 14;
 const MOST_BALLS = 40;
 const STEP = 1 / 60;
+
+/** Where the camera looks, and how far it is; radians for each pixel that is dragged, and for each arrow key. */
+const MIDDLE = new Vector3(0, 0.8, 0);
+const DISTANCE = 10.4;
+const TURN = 0.006;
+const KEY_TURN = 0.12;
+/** What moves by less is a click. */
+const DRAG = 5;
+/** How much the shadow of the sun reaches around the middle. */
+const SHADOW = 9;
+
+/** Around, and up. */
+const KEYS: Record<string, [number, number]> = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
 
 let rapier: Promise<any> | undefined;
 
@@ -59,6 +72,8 @@ class Drop {
   private readonly balls: { body: any; object: Mesh }[] = [];
   private readonly ballShape = new SphereGeometry(BALL, 24, 16);
   private readonly listening = new AbortController();
+  private around = 0.6;
+  private up = 0.36;
   private frame = 0;
   private time = 0;
   private last = performance.now();
@@ -73,14 +88,23 @@ class Drop {
     this.renderer = new WebGLRenderer({ canvas: fresh, antialias: true });
     const style = getComputedStyle(document.documentElement);
     this.scene.background = new Color(style.getPropertyValue("--paper").trim());
-    this.camera.position.set(5.5, 4.5, 8);
-    this.camera.lookAt(0, 0.8, 0);
+    this.turn(0, 0);
+    this.renderer.shadowMap.enabled = true;
     const sun = new DirectionalLight(0xffffff, 2.4);
     sun.position.set(4, 8, 3);
+    sun.castShadow = true;
+    sun.shadow.mapSize.set(1024, 1024);
+    sun.shadow.normalBias = 0.03;
+    Object.assign(sun.shadow.camera, { left: -SHADOW, right: SHADOW, top: SHADOW, bottom: -SHADOW, far: 40 });
     this.scene.add(sun, new AmbientLight(0xffffff, 1.1));
     const floor = new Mesh(new PlaneGeometry(60, 60), new MeshStandardMaterial({ color: style.getPropertyValue("--line").trim() }));
     floor.rotation.x = -Math.PI / 2;
-    this.scene.add(floor);
+    floor.receiveShadow = true;
+    const lines = style.getPropertyValue("--quiet").trim();
+    const grid = new GridHelper(60, 60, lines, lines);
+    grid.position.y = 0.002;
+    Object.assign(grid.material, { transparent: true, opacity: 0.25 });
+    this.scene.add(floor, grid);
 
     this.world = new RAPIER.World({ x: 0, y: -9.81, z: 0 });
     this.world.createCollider(RAPIER.ColliderDesc.cuboid(30, 1, 30).setTranslation(0, -1, 0).setFriction(0.8));
@@ -106,7 +130,9 @@ class Drop {
       geometry.setIndex(new BufferAttribute(indices, 1));
       const [r, g, b] = this.body.colours[hull % this.body.colours.length];
       const color = new Color().setRGB(r / 255, g / 255, b / 255, "srgb");
-      group.add(new Mesh(geometry, new MeshStandardMaterial({ color, flatShading: true, roughness: 0.7 })));
+      const mesh = new Mesh(geometry, new MeshStandardMaterial({ color, flatShading: true, roughness: 0.7 }));
+      mesh.castShadow = mesh.receiveShadow = true;
+      group.add(mesh);
     });
     this.scene.add(group);
     return group;
@@ -141,6 +167,7 @@ class Drop {
     );
     this.world.createCollider(RAPIER.ColliderDesc.ball(BALL).setDensity(800).setRestitution(0.4), body);
     const object = new Mesh(this.ballShape, new MeshStandardMaterial({ color: 0xf2a33a, roughness: 0.5 }));
+    object.castShadow = true;
     this.scene.add(object);
     const ball = { body, object };
     this.balls.push(ball);
@@ -158,10 +185,34 @@ class Drop {
     this.throwAt(place.x, place.y);
   }
 
+  /** Turns the view around the middle, in radians. */
+  private turn(around: number, up: number) {
+    this.around += around;
+    this.up = Math.min(1.4, Math.max(0.06, this.up + up));
+    const flat = DISTANCE * Math.cos(this.up);
+    const from = new Vector3(flat * Math.sin(this.around), DISTANCE * Math.sin(this.up), flat * Math.cos(this.around));
+    this.camera.position.copy(from.add(MIDDLE));
+    this.camera.lookAt(MIDDLE);
+  }
+
   private listen() {
     const { signal } = this.listening;
-    this.canvas.addEventListener("pointerdown", ({ offsetX, offsetY }) =>
-      this.throwAt((2 * offsetX) / this.canvas.clientWidth - 1, 1 - (2 * offsetY) / this.canvas.clientHeight), { signal });
+    const { canvas } = this;
+    let dragged: { x: number; y: number; far: number } | undefined;
+    canvas.addEventListener("pointerdown", ({ offsetX: x, offsetY: y, pointerId }) => {
+      canvas.setPointerCapture(pointerId);
+      dragged = { x, y, far: 0 };
+    }, { signal });
+    canvas.addEventListener("pointermove", ({ offsetX: x, offsetY: y }) => {
+      if (!dragged) return;
+      const [dx, dy] = [x - dragged.x, y - dragged.y];
+      dragged = { x, y, far: dragged.far + Math.hypot(dx, dy) };
+      if (dragged.far > DRAG) this.turn(-TURN * dx, TURN * dy);
+    }, { signal });
+    canvas.addEventListener("pointerup", ({ offsetX: x, offsetY: y }) => {
+      if (dragged && dragged.far <= DRAG) this.throwAt((2 * x) / canvas.clientWidth - 1, 1 - (2 * y) / canvas.clientHeight);
+      dragged = undefined;
+    }, { signal });
     find("again").addEventListener("click", () => this.again(), { signal });
     find("throw").addEventListener("click", () => this.atBody(), { signal });
     find("leave").addEventListener("click", () => find<HTMLDialogElement>("physics").close(), { signal });
@@ -169,6 +220,7 @@ class Drop {
       if (event.target instanceof HTMLButtonElement && event.key === " ") return;
       if (event.key === " ") this.atBody();
       else if (event.key.toLowerCase() === "a") this.again();
+      else if (event.key in KEYS) this.turn(KEYS[event.key][0] * KEY_TURN, KEYS[event.key][1] * KEY_TURN);
       else return;
       event.preventDefault();
     }, { signal });

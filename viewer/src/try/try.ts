@@ -37,7 +37,7 @@ interface Subject {
 let kept: Desk | undefined;
 let working: Desk | undefined;
 let subject: Subject | undefined;
-let shown: { page: Page; mass: Mass } | undefined;
+let shown: { page: Page; mass: Mass; settings: Parameters } | undefined;
 let view: View | undefined;
 
 function settings(): Parameters {
@@ -69,6 +69,14 @@ export function tag({ maxError, probeRadius, maxHulls, maxVertices, openings, pr
   return ["ConvexDecomposition::default()", ...calls].join("");
 }
 
+/** The call of the package with these settings. */
+export function call(parameters: Parameters): string {
+  const defaults: Record<string, unknown> = { maxError: "2%", preset: "balanced", maxHulls: "none", maxVertices: 64, probeRadius: "none", openings: "auto" };
+  const given = Object.entries(parameters).filter(([name, value]) => value !== undefined && value !== defaults[name]);
+  const options = given.map(([name, value]) => `${name}: ${JSON.stringify(value)}`).join(", ");
+  return options ? `await decompose(mesh, { ${options} })` : "await decompose(mesh)";
+}
+
 function say(text: string) {
   find("status").textContent = text;
 }
@@ -84,7 +92,7 @@ function busy(isBusy: boolean) {
   find("progress").hidden = find("cancel").hidden = !isBusy;
   input("progress").value = "0";
   document.documentElement.dataset.busy = String(isBusy);
-  for (const id of ["drop", "save-hulls", "save-glb", "copy-tag"]) find<HTMLButtonElement>(id).disabled = !shown;
+  for (const id of ["drop", "save-hulls", "save-glb", "copy-tag", "copy-js"]) find<HTMLButtonElement>(id).disabled = !shown;
 }
 
 /** Begins anew: what runs is ended. */
@@ -117,11 +125,12 @@ async function decompose(desk: Desk, { title, mesh }: Subject) {
     input("progress").value = String(fraction);
     say(fraction < 1 ? `${title}: ${stage}` : `${title}: errors`);
   };
-  const made = await desk.call("show", [meshArrays(mesh), title, parameterText(settings()), input("compare").checked], onProgress);
+  const wanted = settings();
+  const made = await desk.call("show", [meshArrays(mesh), title, parameterText(wanted), input("compare").checked], onProgress);
   kept?.end(new Superseded());
   kept = desk;
   const page = pageOf(made.document, made.geometry.buffer as ArrayBuffer);
-  shown = { page, mass: made.mass };
+  shown = { page, mass: made.mass, settings: wanted };
   subject = { title, mesh };
   if (view) view.replace(page);
   else {
@@ -129,7 +138,8 @@ async function decompose(desk: Desk, { title, mesh }: Subject) {
     Object.assign(window, { hullwright: { ...view, shared, tag } });
   }
   find("remarks").textContent = made.remarks;
-  say(`${words(page.sets[0].entry.leaves, "hull")}, drawn after ${((performance.now() - start) / 1000).toFixed(2)} s`);
+  const seconds = ((performance.now() - start) / 1000).toFixed(2);
+  say(`${words(page.sets[0].entry.leaves, "hull")}; ${seconds} s with measuring and drawing`);
   document.documentElement.dataset.ready = "true";
   document.documentElement.dataset.shown = String(Number(document.documentElement.dataset.shown ?? 0) + 1);
 }
@@ -172,6 +182,11 @@ const stem = (title: string) => title.replace(/\.[^.]*$/, "").replace(/[^\w.-]+/
 /** How many hulls the slider shows. */
 const count = () => view?.panels[0]?.state.hulls ?? 1;
 
+/** What makes what is shown: with fewer hulls than there are by a limit, whatever the form says by now. */
+function shownSettings({ page, settings }: { page: Page; settings: Parameters }): Parameters {
+  return count() < page.sets[0].entry.leaves ? { ...settings, maxHulls: count() } : settings;
+}
+
 function connect() {
   const models = JSON.parse(text("models")) as Record<string, string>;
   const select = find<HTMLSelectElement>("model");
@@ -212,15 +227,15 @@ function connect() {
     say("cancelled");
   });
   const title = () => stem(subject?.title ?? "mesh");
-  const act = (id: string, work: () => Promise<void>) => find(id).addEventListener("click", () => void work().catch(fail));
+  const act = (id: string, work: () => Promise<unknown>) => find(id).addEventListener("click", () => void work().catch(fail));
   act("save-hulls", async () => kept && save(`${title()}.hulls`, await kept.call("file", [title(), count()])));
   act("save-glb", async () => kept && save(`${title()}-hulls.glb`, await kept.call("glb", [count()])));
-  act("copy-tag", async () => {
-    if (!shown) return;
-    const code = tag(settings(), shown.page.document.diagonal);
+  const copy = async (code: string) => {
     await navigator.clipboard.writeText(code).catch(() => copyByHand(code));
     say(`copied: ${code}`);
-  });
+  };
+  act("copy-tag", async () => shown && copy(tag(shownSettings(shown), shown.page.document.diagonal)));
+  act("copy-js", async () => shown && copy(call(shownSettings(shown))));
   act("drop", async () => {
     if (!kept || !shown) return;
     const { mass, page: { document: { diagonal, colours } } } = shown;
