@@ -12,6 +12,8 @@ export interface MeshArrays {
 
 /** The file that is read, and all files by their paths. */
 export interface NamedFiles {
+  /** As messages call it. */
+  name: string;
   format: string;
   main: Uint8Array;
   others: [string, Uint8Array][];
@@ -103,7 +105,10 @@ const SUFFIX = /\.(obj|off|ply|stl|gltf|glb)$/i;
 /** Of several files the one that names the others, or the only mesh. */
 export function namedFiles(files: MeshFiles, format?: MeshFormat): NamedFiles {
   const single = fileBytes(files);
-  if (single) return { format: format ?? refuse("bytes need a `format`"), main: single, others: [] };
+  if (single) {
+    const known = format ?? refuse("bytes need a `format`");
+    return { name: `the ${known} file`, format: known, main: single, others: [] };
+  }
   if (files === null || typeof files !== "object" || Array.isArray(files)) {
     return refuse("`files` are neither bytes nor text nor files by their paths");
   }
@@ -116,6 +121,7 @@ export function namedFiles(files: MeshFiles, format?: MeshFormat): NamedFiles {
   const folder = meshes[0].slice(0, meshes[0].lastIndexOf("/") + 1);
   const others = paths.filter((path) => path !== meshes[0]);
   return {
+    name: meshes[0],
     format: format ?? (SUFFIX.exec(meshes[0])?.[1] ?? "").toLowerCase(),
     main: copy(meshes[0]),
     // Relative to the file that names them.

@@ -100,10 +100,19 @@ export const calls = (onProgress?: (progress: Progress) => void): Calls => ({
     );
   },
 
-  readMesh({ format, main, others }) {
+  readMesh({ name, format, main, others }) {
     return using(new glue.MeshReader(), (reader) => {
+      const read = () => {
+        try {
+          return reader.read(format, main);
+        } catch (error) {
+          // The module has no names of files.
+          if (error instanceof Error) error.message = error.message.replace(/^\w+ in memory/, name);
+          throw error;
+        }
+      };
       for (const [path, bytes] of others) reader.add(path, bytes);
-      return using(reader.read(format, main), ({ positions, indices, doubleSided, objects }) => ({
+      return using(read(), ({ positions, indices, doubleSided, objects }) => ({
         positions: positions as Float64s,
         indices: indices as Uint32s,
         doubleSided: doubleSided as Bytes,

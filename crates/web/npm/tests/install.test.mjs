@@ -50,7 +50,7 @@ test("`main` and `package.json` are found by what knows no exports, and one func
   assert.equal(run("node", ["name.mjs"], place).trim(), "hullwright");
   run(join(PACKAGE, "node_modules/.bin/esbuild"), ["main.mjs", "--bundle", "--format=esm", "--minify", "--outfile=out.js", "--log-level=error"], place);
   const { length } = readFileSync(join(place, "out.js"));
-  assert.ok(length < 5000, `${length} bytes`);
+  assert.ok(length < 10_000, `${length} bytes`);
 });
 
 test("a program of Node decomposes, and ends by itself", () => {

@@ -98,6 +98,11 @@ test("messages have JavaScript's names", async () => {
   await refused("invalid_parameter", /maxVertices/, () => decompose(stairs(), { maxVertices: 3 }));
 });
 
+test("messages name the file that they are about", async () => {
+  await refused("file", /^chairs\/broken\.off: /, () => readMesh({ "chairs/broken.off": "OFF\n3 1 0\n0 0 0\n" }));
+  await refused("file", /^the off file: /, () => readMesh("OFF\n3 1 0\n0 0 0\n", "off"));
+});
+
 test("a callback that throws ends its job alone", async () => {
   const { decompose } = pool(createPool());
   const wrong = new Error("a button that is not there");
