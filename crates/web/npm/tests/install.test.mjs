@@ -1,5 +1,5 @@
-// The package as users get it: its tarball, installed into a fresh Vite project and into Node. Takes Vite from npm's
-// registry, whichever that is.
+// The package as users get it: its tarball, installed into fresh projects of Vite, Parcel, vitest, TypeScript and Node.
+// Takes them from npm's registry, whichever that is.
 
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
@@ -17,8 +17,12 @@ const run = (program, args, cwd = folder) => execFileSync(program, args, { cwd, 
 const [{ filename, files }] = JSON.parse(run("npm", ["pack", "--json", "--pack-destination", folder], PACKAGE));
 const { devDependencies } = JSON.parse(readFileSync(`${PACKAGE}/package.json`, "utf8"));
 
-/** Chosen here: it is no dependency of the package, and takes long to install. */
+/** Chosen here: they are no dependencies of the package, and take long to install. */
 const VITE = "8.3.8";
+const VITEST = { vitest: "4.1.12", jsdom: "27.4.0" };
+const PARCEL = "2.16.4";
+/** The oldest, and the first whose arrays say which memory they have; the newest is a dependency. */
+const TYPESCRIPT = ["5.0.4", "5.7.3"];
 
 function project(name, dependencies, sources) {
   const place = join(folder, name);
@@ -92,6 +96,59 @@ test("a program of TypeScript is checked against the package's types, also witho
     found = stdout;
   }
   assert.deepEqual(found.split("\n").filter((line) => /^(main|node_modules\/hullwright)/.test(line)), []);
+});
+
+test("TypeScript from 5.0 on checks it with exact optional properties, and takes its bytes for a Blob", () => {
+  const place = project("typescript", {}, {
+    "main.ts": `
+      import { close, decompose, prepare, type Decomposition } from "hullwright";
+      const maybe: AbortSignal | undefined = undefined;
+      const result: Decomposition = await decompose({ positions: [] }, { signal: maybe });
+      new Blob([result.hullsFile, result.hulls[0].points]);
+      await prepare();
+      close();`,
+    "tsconfig.json": JSON.stringify({ compilerOptions: { module: "nodenext", target: "es2022", strict: true, exactOptionalPropertyTypes: true, noEmit: true, types: [], lib: ["es2022", "dom"] } }),
+  });
+  for (const version of TYPESCRIPT) {
+    run("npm", ["install", "--no-audit", "--no-fund", "--no-save", "--loglevel=error", `typescript@${version}`], place);
+    assert.equal(run("npx", ["tsc"], place), "", version);
+  }
+});
+
+test("a test of vitest under jsdom decomposes", () => {
+  const place = project("jsdom", VITEST, {
+    "a.test.js": `
+      // @vitest-environment jsdom
+      import { readFileSync } from "node:fs";
+      import { expect, test } from "vitest";
+      import { decompose, readMesh } from "hullwright";
+      test("it decomposes", async () => {
+        expect(typeof window).toBe("object");
+        const mesh = await readMesh(readFileSync(${JSON.stringify(root("assets/chair.glb"))}), "glb");
+        expect((await decompose(mesh)).hulls.length).toBeGreaterThan(1);
+      });`,
+  });
+  assert.match(run("npx", ["vitest", "run", "--reporter=json"], place), /"numPassedTests":1,/);
+});
+
+test("a project of Parcel without settings builds, and decomposes in Chromium", async () => {
+  const place = project("parcel", { parcel: PARCEL }, {
+    "index.html": `<!doctype html><script type="module" src="./main.js"></script>`,
+    "main.js": `
+      import { decompose } from "hullwright";
+      const mesh = { positions: [0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1], indices: [0, 2, 1, 0, 1, 3, 1, 2, 3, 2, 0, 3] };
+      decompose(mesh).then(({ hulls }) => { document.title = hulls.length + " hull"; }, (error) => { document.title = String(error); });`,
+  });
+  run("npx", ["parcel", "build", "index.html", "--no-cache", "--log-level=error"], place);
+  const [server, browser] = [await serve(join(place, "dist")), await launch()];
+  try {
+    const page = await openPage(browser, `${server.address}/index.html`);
+    await page.waitForFunction(() => document.title !== "", undefined, { timeout: 60_000 });
+    assert.equal(await page.title(), "1 hull");
+  } finally {
+    await browser.close();
+    server.close();
+  }
 });
 
 test("a Vite project without settings builds, and decomposes in Chromium, served from a folder below the root", async () => {
