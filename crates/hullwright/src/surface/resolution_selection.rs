@@ -133,7 +133,7 @@ impl Levels {
     ) -> Result<(), Error> {
         control.check()?;
         let Some(&resolution) = self.open.last() else { return Ok(()) };
-        let Step { mesh, components, mut target } = self.step.take().unwrap_or_else(|| {
+        let Step { mut mesh, mut components, mut target } = self.step.take().unwrap_or_else(|| {
             let (mesh, components) = match self.made.last() {
                 Some(level) => (&level.mesh, &level.components),
                 None => (&prepared.mesh, &prepared.components),
@@ -145,9 +145,14 @@ impl Levels {
         if count > resolution {
             target = next_target(count, parameters.simplification_quality);
             let found = simplify(&mesh, &components, target, control)?;
-            // A target that can't be reached leaves more triangles.
-            if found.mesh.triangles.len() < count {
-                self.step = Some(Step { mesh: found.mesh, components: found.components, target });
+            let gone = count.saturating_sub(found.mesh.triangles.len());
+            if gone > 0 {
+                (mesh, components) = (found.mesh, found.components);
+            }
+            // Where not half of the way can be gone more steps go hardly farther. That leaves more
+            // triangles than r.
+            if gone > 0 && 2 * gone >= count - target {
+                self.step = Some(Step { mesh, components, target });
                 return Ok(());
             }
         }

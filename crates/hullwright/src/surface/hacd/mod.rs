@@ -21,10 +21,11 @@
 //!
 //! A collapse changes the costs of the edges at the node that remains, and no other. Of those an
 //! edge enters the queue with a lower bound that takes little time: the shape factor's part, and the
-//! depth that a vertex had before. Only an edge that comes to the front is judged,
-//! and goes back with its cost. That is the same order of collapses as if all were judged at once.
-//! Costs of at least β are not needed, so they are not computed to the end and not kept: an edge
-//! that is too costly stays so until one of its ends changes.
+//! depth that a vertex had before, in one of the surfaces or when the edge was judged last. Only an
+//! edge that comes to the front is judged, and goes back with its cost. That is the same order of
+//! collapses as if all were judged at once. Costs of at least β are not needed, so they are not
+//! computed to the end and not kept: an edge that is too costly stays so until one of its ends
+//! changes.
 
 use std::cmp::{Ordering, Reverse};
 use std::collections::BinaryHeap;
