@@ -20,7 +20,7 @@ use bevy_hullwright::prelude::*;
 use bevy_rapier3d::geometry::VHACDParameters;
 use bevy_rapier3d::prelude::*;
 use hullwright::hulls_format::{BakedMesh, HullScene, HullsFile};
-use hullwright::{Control, mass_properties};
+use hullwright::{Control, TriangleMesh, mass_properties};
 use hullwright_formats::read_mesh;
 
 const MODELS: [&str; 10] =
@@ -151,11 +151,16 @@ fn microseconds(duration: Duration) -> f64 {
 fn mesh(number: usize) -> Mesh {
     let name = MODELS[number % MODELS.len()];
     let path = format!("{}/assets/{name}.glb", env!("CARGO_MANIFEST_DIR"));
-    let file = read_mesh(path).unwrap().mesh;
+    let mut file = read_mesh(path).unwrap().mesh;
     let stretch = 1.0 + 0.02 * (number / MODELS.len()) as f64;
+    file.positions.iter_mut().for_each(|point| point[0] *= stretch);
+    to_bevy(&file)
+}
+
+fn to_bevy(mesh: &TriangleMesh) -> Mesh {
     let positions: Vec<[f32; 3]> =
-        file.positions.iter().map(|p| [p[0] * stretch, p[1], p[2]].map(|x| x as f32)).collect();
-    let indices = file.triangles.iter().flatten().copied().collect();
+        mesh.positions.iter().map(|point| point.map(|x| x as f32)).collect();
+    let indices = mesh.triangles.iter().flatten().copied().collect();
     Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::default())
         .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, positions)
         .with_inserted_indices(Indices::U32(indices))
@@ -344,19 +349,13 @@ fn level() {
     ] {
         let mut app = app_with_bodies();
         app.world_mut().resource_mut::<HullwrightSettings>().level_bound = bound;
-        let hierarchy = ConvexDecompositionHierarchy::default();
-        let hierarchy = cell.map_or(hierarchy.clone(), |cell| hierarchy.with_cells(cell));
+        let mut hierarchy = ConvexDecompositionHierarchy::default();
+        if let Some(cell) = cell {
+            hierarchy = hierarchy.with_cells(cell);
+        }
         let root = app.world_mut().spawn((Transform::default(), RigidBody::Fixed, hierarchy)).id();
         for mesh in &scene {
-            let positions: Vec<[f32; 3]> =
-                mesh.mesh.positions.iter().map(|p| p.map(|x| x as f32)).collect();
-            let indices = mesh.mesh.triangles.iter().flatten().copied().collect();
-            let handle = add(
-                &mut app,
-                Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::default())
-                    .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, positions)
-                    .with_inserted_indices(Indices::U32(indices)),
-            );
+            let handle = add(&mut app, to_bevy(&mesh.mesh));
             for node in &mesh.nodes {
                 let columns = node.transform.unwrap_or_default();
                 let [x, y, z, place] = columns.map(|column| Vec3::from(column.map(|x| x as f32)));

@@ -1,5 +1,5 @@
-//! What plots look like, and lines over a parameter. SVG with text in the reader's own sans-serif, so
-//! no fonts are needed to draw it.
+//! What plots look like, and lines over a parameter. SVG with text in the reader's own sans-serif,
+//! so no fonts are needed to draw it.
 
 use plotters::prelude::*;
 

@@ -118,9 +118,11 @@ enum Average {
     AboveLeast(f64),
 }
 
-fn pieces(grouping: &Grouping) -> usize {
-    let groups = members(&grouping.labels, grouping.count);
-    groups.iter().filter(|group| group.len() > TOO_SMALL_TO_COUNT).count()
+/// The polygons of each group that counts as a piece.
+fn counted_groups(grouping: &Grouping) -> Vec<Vec<u32>> {
+    let mut groups = members(&grouping.labels, grouping.count);
+    groups.retain(|group| group.len() > TOO_SMALL_TO_COUNT);
+    groups
 }
 
 impl ThresholdSearch {
@@ -152,12 +154,14 @@ impl ThresholdSearch {
         };
         let grouping = grown.grouping.clone();
         self.last = Some((grown_at, grown));
-        let (groups, pieces) = (grouping.count, pieces(&grouping));
+        let groups = counted_groups(&grouping);
+        let pieces = groups.len();
         let planar_threshold = Some(planar_threshold);
         let epsilon = parameters.concavity_cost_threshold;
-        let average = self.average_cost(mesh, &grouping, epsilon, control)?;
+        let average = self.average_cost(mesh, groups, epsilon, control)?;
         let (Average::Complete(cost) | Average::AboveThreshold(cost) | Average::AboveLeast(cost)) =
             average;
+        let is_single = grouping.count == 1;
         let tried = Candidate { grouping, pieces, cost, planar_threshold, index };
         let outcome = match average {
             Average::AboveThreshold(_) => ThresholdOutcome::AbortedAboveThreshold,
@@ -177,7 +181,7 @@ impl ThresholdSearch {
                 self.cheapest = Some(tried);
             }
         }
-        if groups == 1 {
+        if is_single {
             if outcome != ThresholdOutcome::CandidateAtOnce
                 && let Some(report) = self.reports.last_mut()
             {
@@ -199,10 +203,11 @@ impl ThresholdSearch {
         grouping: Grouping,
         control: &Control,
     ) -> Result<(), Error> {
-        let average = self.average_cost(mesh, &grouping, f64::INFINITY, control)?;
+        let groups = counted_groups(&grouping);
+        let (planar_threshold, pieces) = (None, groups.len());
+        let average = self.average_cost(mesh, groups, f64::INFINITY, control)?;
         let (Average::Complete(cost) | Average::AboveThreshold(cost) | Average::AboveLeast(cost)) =
             average;
-        let (planar_threshold, pieces) = (None, pieces(&grouping));
         let outcome = ThresholdOutcome::Candidate;
         self.reports.push(ThresholdReport { planar_threshold, pieces, cost, outcome });
         self.candidate = Some(Candidate { grouping, pieces, cost, planar_threshold, index: 0 });
@@ -241,21 +246,17 @@ impl ThresholdSearch {
         }
     }
 
-    /// The average cost over groups of more than two polygons, given up as soon as the running
-    /// average is too high.
+    /// The average cost over groups, given up as soon as the running average is too high.
     fn average_cost(
         &mut self,
         mesh: &TriangleMesh,
-        grouping: &Grouping,
+        groups: Vec<Vec<u32>>,
         epsilon: f64,
         control: &Control,
     ) -> Result<Average, Error> {
         let least = self.cheapest.as_ref().map_or(f64::INFINITY, |cheapest| cheapest.cost);
         let (mut sum, mut average, mut counted) = (0.0, 0.0, 0);
-        for group in members(&grouping.labels, grouping.count) {
-            if group.len() <= TOO_SMALL_TO_COUNT {
-                continue;
-            }
+        for group in groups {
             sum += match self.costs.get(&group) {
                 Some(known) => *known,
                 None => {

@@ -13,6 +13,7 @@ use glam::{DQuat, DVec3};
 use hullwright::TriangleMesh;
 use hullwright_formats::{NamedMesh, read_mesh};
 
+use crate::shapes::bounds;
 use crate::terminal::Failure;
 use crate::tools::meshes;
 use crate::tools::variations::Random;
@@ -130,7 +131,7 @@ impl Level {
     pub fn gathered(&self, props: &[TriangleMesh], cell: f64) -> Vec<Vec<usize>> {
         let mut cells: BTreeMap<(bool, [i64; 2]), Vec<usize>> = BTreeMap::new();
         for (index, mesh) in props.iter().enumerate() {
-            let (low, high) = bounds(mesh);
+            let (low, high) = bounds(&mesh.positions);
             let is_large = high.x - low.x > cell || high.z - low.z > cell;
             let middle = (low + high) / 2.0;
             let own = match is_large {
@@ -281,14 +282,9 @@ pub fn near(middle: [f64; 2], spread: f64, random: &mut Random) -> [f64; 2] {
     middle.map(|x| x + between([-spread, spread], random))
 }
 
-pub fn bounds(mesh: &TriangleMesh) -> (DVec3, DVec3) {
-    let points = || mesh.positions.iter().map(|point| DVec3::from(*point));
-    (points().fold(DVec3::INFINITY, DVec3::min), points().fold(DVec3::NEG_INFINITY, DVec3::max))
-}
-
 /// Nothing where a mesh has no extent.
 fn normalized(mut mesh: TriangleMesh) -> Option<TriangleMesh> {
-    let (low, high) = bounds(&mesh);
+    let (low, high) = bounds(&mesh.positions);
     let base = DVec3::new((low.x + high.x) / 2.0, low.y, (low.z + high.z) / 2.0);
     let diagonal = (high - low).length();
     for point in &mut mesh.positions {

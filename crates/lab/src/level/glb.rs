@@ -3,7 +3,8 @@
 use hullwright::TriangleMesh;
 use serde_json::{Value, json};
 
-use super::compose::{Level, TILES, bounds};
+use super::compose::{Level, TILES};
+use crate::shapes::bounds;
 
 /// Numbers of the specification: types of components, and what a buffer view is for.
 const FLOAT: u32 = 5126;
@@ -73,7 +74,7 @@ impl Parts {
     fn add(&mut self, name: &str, mesh: &TriangleMesh) -> usize {
         let points = mesh.positions.iter().flatten().flat_map(|&x| (x as f32).to_le_bytes());
         let view = self.view(points.collect(), VERTICES);
-        let (low, high) = bounds(mesh);
+        let (low, high) = bounds(&mesh.positions);
         self.accessors.push(json!({
             "bufferView": view, "componentType": FLOAT, "type": "VEC3",
             "count": mesh.positions.len(),

@@ -17,8 +17,9 @@ use crate::harness::describe;
 use crate::independent::nearest::Tree;
 use crate::independent::oracle::Triangle;
 use crate::report::{NOTHING, Report, Table, number};
+use crate::shapes::bounds;
 use crate::terminal::{Failure, print};
-use compose::{Level, Plan, bounds};
+use compose::{Level, Plan};
 use steps::{Fixed, Judge, Steps};
 use touch::{RADIUS, TOUCH, Touches};
 
@@ -85,7 +86,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let tiles = level.terrain.tiles();
     let whole = level.terrain.whole();
     let diagonal = {
-        let (low, high) = bounds(&whole);
+        let (low, high) = bounds(&whole.positions);
         (high - low).length()
     };
     let bound = arguments.max_error.of_diagonal(diagonal);
@@ -302,7 +303,7 @@ impl Shapes {
     fn new(meshes: &[TriangleMesh]) -> Result<Self, Failure> {
         let mut all = Self { fixed: Vec::new(), bytes: 0, plain_bytes: 0, seconds: 0.0 };
         for mesh in meshes {
-            let (low, high) = bounds(mesh);
+            let (low, high) = bounds(&mesh.positions);
             let middle = ((low + high) / 2.0).as_vec3().as_dvec3();
             let mut own = mesh.clone();
             for point in &mut own.positions {

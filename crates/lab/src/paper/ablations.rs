@@ -1,28 +1,21 @@
-//! Section 4.3.2 and what else the paper says of its parameters: p, r, a, Q, ε, μ, the exponents of
-//! its time, and `spot.obj` whole.
+//! Section 4.3.2 and what else the paper says of its parameters: p, r, a, Q, ε, μ, the exponents
+//! of its time, and `spot.obj` whole.
 
 use hullwright::Stage;
 use hullwright::surface::SurfaceParameters;
 
-use super::table1::Paper;
-use super::{Figure, Found, Model, all_of, decomposed, hacd_of};
+use super::{Figure, Found, Model, Paper, all_of, decomposed, hacd_of, paper_with};
 use crate::plots::{Series, lines};
 use crate::report::{Plot, Table, number};
 use crate::statistics::median;
 use crate::terminal::Failure;
 
 /// The fixed r and p of section 4.3.2.
-const RESOLUTION: usize = 500;
+pub const RESOLUTION: usize = 500;
 const PLANAR_THRESHOLD: f64 = 0.1;
 
 /// Both values of ε that the section names.
 const EPSILONS: [f64; 2] = [0.05, 0.1];
-
-fn paper_with(change: impl FnOnce(&mut SurfaceParameters)) -> SurfaceParameters {
-    let mut parameters = SurfaceParameters::paper();
-    change(&mut parameters);
-    parameters
-}
 
 /// Pieces, cost and milliseconds as medians.
 fn medians(found: &[Found]) -> [String; 3] {
@@ -62,14 +55,12 @@ fn plot(
 }
 
 /// p at fixed r (Figure 5, right), then r at fixed p.
-pub fn thresholds_and_resolutions(papers: &[Paper]) -> Result<(Vec<Table>, Vec<Plot>), Failure> {
-    let models: Vec<Model> = papers.iter().map(|paper| paper.model.clone()).collect();
+pub fn thresholds_and_resolutions(
+    papers: &[Paper],
+    models: &[Model],
+) -> Result<(Vec<Table>, Vec<Plot>), Failure> {
     let paper = SurfaceParameters::paper();
-    let runs = sweep(&models, &paper.planar_thresholds, |p| {
-        paper_with(|one| {
-            (one.planar_thresholds, one.maximum_resolutions) = (vec![p], vec![RESOLUTION])
-        })
-    })?;
+    let runs = sweep(models, &paper.planar_thresholds, |p| at(p, RESOLUTION))?;
     let header = ["p", "pieces", "cost", "ms", "chosen under ε = 0.05", "under 0.1"];
     let note = "Medians over Table 1's ten meshes at r = 500, and on how many this p has the fewest pieces under ε.";
     let mut of_p = Table::new("4.3.2: p at fixed r (Figure 5, right)", note, &header);
@@ -89,12 +80,7 @@ pub fn thresholds_and_resolutions(papers: &[Paper]) -> Result<(Vec<Table>, Vec<P
         of_p.rows.push(cells.collect());
     }
     let resolutions: Vec<f64> = paper.maximum_resolutions.iter().map(|&r| r as f64).collect();
-    let at_p = sweep(&models, &resolutions, |r| {
-        paper_with(|one| {
-            (one.planar_thresholds, one.maximum_resolutions) =
-                (vec![PLANAR_THRESHOLD], vec![r as usize]);
-        })
-    })?;
+    let at_p = sweep(models, &resolutions, |r| at(PLANAR_THRESHOLD, r as usize))?;
     let note = "Medians over the same at p = 0.1.";
     let mut of_r = Table::new("4.3.2: r at fixed p", note, &["r", "pieces", "cost", "ms"]);
     for (r, found) in &at_p {
@@ -131,8 +117,7 @@ pub fn angular_threshold(princeton: &[Model]) -> Result<Table, Failure> {
 }
 
 /// Q, ε and μ, each alone, on the ten meshes.
-pub fn parameters(papers: &[Paper]) -> Result<Table, Failure> {
-    let models: Vec<Model> = papers.iter().map(|paper| paper.model.clone()).collect();
+pub fn parameters(models: &[Model]) -> Result<Table, Failure> {
     let header = ["parameter", "value", "pieces", "cost", "ms"];
     let note =
         "Medians over Table 1's ten meshes; all else as in the paper: Q = 0.8, ε = 0.05, μ = 5.";
@@ -145,7 +130,7 @@ pub fn parameters(papers: &[Paper]) -> Result<Table, Failure> {
     ];
     for (name, values, change) in sweeps {
         let with = |value: f64| paper_with(|one| change(one, value));
-        for (value, found) in sweep(&models, values, with)? {
+        for (value, found) in sweep(models, values, with)? {
             let cells = [name.to_owned(), value.to_string()].into_iter().chain(medians(&found));
             table.rows.push(cells.collect());
         }
@@ -155,8 +140,7 @@ pub fn parameters(papers: &[Paper]) -> Result<Table, Failure> {
 
 /// The exponents of O(N / k): seconds as N to one power and k to another, by least squares of
 /// logarithms. N is the sum of the polygons of all resolutions that were searched.
-pub fn exponents(princeton: &[Model]) -> Result<Table, Failure> {
-    let found = all_of(princeton, &SurfaceParameters::paper())?;
+pub fn exponents(found: &[Found]) -> Table {
     let note = "Seconds in proportion to N and k to these powers, over Princeton's meshes; the paper has 1 and −1.";
     let mut table = Table::new("3.1: O(N / k)", note, &["what", "N", "k"]);
     let search: fn(&Found) -> f64 = |found| {
@@ -183,15 +167,23 @@ pub fn exponents(princeton: &[Model]) -> Result<Table, Failure> {
         let k = (product(1, 2) * product(0, 0) - product(0, 2) * product(0, 1)) / determinant;
         table.rows.push(vec![name.into(), format!("{n:.2}"), format!("{k:.2}")]);
     }
-    Ok(table)
+    table
+}
+
+/// One p and one r.
+pub fn at(p: f64, r: usize) -> SurfaceParameters {
+    paper_with(|one| (one.planar_thresholds, one.maximum_resolutions) = (vec![p], vec![r]))
+}
+
+/// The r with which Figure 5, left, ends.
+pub fn within_900() -> SurfaceParameters {
+    paper_with(|one| one.maximum_resolutions = vec![900])
 }
 
 /// Whole, without simplification: what Figure 5, left, shows.
 pub fn whole(parameters: SurfaceParameters) -> SurfaceParameters {
-    let (simplification_quality, maximum_resolutions) = (1.0, vec![usize::MAX]);
     let mut whole = parameters;
-    (whole.simplification_quality, whole.maximum_resolutions) =
-        (simplification_quality, maximum_resolutions);
+    (whole.simplification_quality, whole.maximum_resolutions) = (1.0, vec![usize::MAX]);
     whole
 }
 
@@ -200,11 +192,10 @@ pub fn spot(spot: &Model) -> Result<Table, Failure> {
     let note = "The paper: about 60 s whole, HACD more than 14.5 hours, 1.75 s with r = 900.";
     let header = ["what", "pieces", "cost", "seconds"];
     let mut table = Table::new("Spot (Figure 5, left)", note, &header);
-    let with_900 = paper_with(|one| one.maximum_resolutions = vec![900]);
     for (name, parameters) in [
         ("whole", whole(SurfaceParameters::paper())),
         ("whole, HACD, β = 0.05", whole(hacd_of(0.05))),
-        ("r = 900", with_900),
+        ("r = 900", within_900()),
     ] {
         let Found { decomposition, seconds } = decomposed(&spot.mesh, &parameters)?;
         let (pieces, cost) = (decomposition.hulls.len(), decomposition.report.cost);

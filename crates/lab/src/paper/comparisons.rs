@@ -7,8 +7,7 @@ use hullwright::surface::SurfaceParameters;
 use hullwright::{Control, MeshView, TriangleMesh};
 use hullwright_formats::NamedMesh;
 
-use super::table1::Paper;
-use super::{Found, Model, all_of, decomposed, hacd_of};
+use super::{Found, Model, Paper, all_of, decomposed, hacd_of};
 use crate::report::{NOTHING, Table, number, number_or_nothing};
 use crate::statistics::median;
 use crate::terminal::Failure;
@@ -17,7 +16,7 @@ use crate::tools::vhacd::{self, VHACDParameters};
 /// β, which the paper does not give: around its ε.
 const THRESHOLDS: [f64; 4] = [0.02, 0.05, 0.1, 0.2];
 
-/// More pieces than this are not asked of V-HACD.
+/// The largest limit that V-HACD is given.
 const MOST_HULLS: u32 = 128;
 
 /// What is compared, and whether the paper's method should have less of it.
@@ -31,7 +30,7 @@ const CLAIMS: [Claim; 4] = [
 ];
 
 /// Cost, time, resolution and pieces of the paper's method and of HACD (Figure 3).
-pub fn hacd(princeton: &[Model]) -> Result<Table, Failure> {
+pub fn hacd(princeton: &[Model], ours: &[Found]) -> Result<Table, Failure> {
     let note = format!(
         "Medians over {} Princeton meshes, and on what share of them a claim of the paper holds: its method \
          costs less and takes less time in each case, HACD has a smaller r and fewer pieces in some cases.",
@@ -46,13 +45,12 @@ pub fn hacd(princeton: &[Model]) -> Result<Table, Failure> {
             format!("less with {whose}"),
         ]);
     }
-    let ours = all_of(princeton, &SurfaceParameters::paper())?;
     for threshold in THRESHOLDS {
         let theirs = all_of(princeton, &hacd_of(threshold))?;
         let mut cells = vec![threshold.to_string()];
         for (_, figure, is_ours) in CLAIMS {
             let [ours, theirs] =
-                [&ours, &theirs].map(|found| found.iter().map(figure).collect::<Vec<f64>>());
+                [ours, &theirs].map(|found| found.iter().map(figure).collect::<Vec<f64>>());
             let holds = |(ours, theirs): &(&f64, &f64)| {
                 if is_ours { ours < theirs } else { theirs < ours }
             };
@@ -103,9 +101,9 @@ fn cell(volume: Option<f64>, hulls: usize) -> String {
 
 /// Figure 4, right: V-HACD with as many pieces, and with more until the features are there.
 pub fn more_pieces(papers: &[Paper]) -> Result<Table, Failure> {
-    let note = "Hausdorff distance over the diagonal, hulls, seconds: the paper's method; V-HACD in Parry when \
-                asked for as many pieces, and with twice as many again and again until it is as near to the \
-                mesh, up to 128. Parry returns fewer than it is asked for.";
+    let note = "Hausdorff distance over the diagonal, hulls, seconds: the paper's method; V-HACD in Parry with \
+                a limit of as many pieces, and of twice as many again and again until it is as near to the \
+                mesh, up to 128. Parry returns fewer than the limit.";
     let header = ["model", "surface", "V-HACD, as many", "V-HACD, as near"];
     let mut table = Table::new("4.3.1: V-HACD (Figure 4, right)", note, &header);
     for Paper { row, model } in papers {

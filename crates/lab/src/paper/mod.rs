@@ -16,11 +16,10 @@ use hullwright_formats::read_mesh;
 
 use crate::harness::describe;
 use crate::report::{Report, Table, create_folder};
-use crate::shapes::Vector;
+use crate::shapes::bounds;
 use crate::terminal::{Failure, print};
-use crate::tools::data_folder::DataFolder;
+use crate::tools::data_folder::{DataFolder, PaperRow};
 use crate::tools::meshes;
-use table1::Paper;
 
 /// Repeat the experiments of the paper's section 4: tables, plots, and its figures as pictures
 #[derive(clap::Args)]
@@ -51,10 +50,8 @@ struct Model {
 
 impl Model {
     fn new(name: &str, mesh: TriangleMesh) -> Self {
-        let points = || mesh.positions.iter().map(|&point| Vector::from(point));
-        let (low, high) = (points().reduce(Vector::min), points().reduce(Vector::max));
-        let diagonal = low.zip(high).map_or(0.0, |(low, high)| low.distance(high));
-        Self { name: name.to_owned(), mesh, diagonal }
+        let (low, high) = bounds(&mesh.positions);
+        Self { name: name.to_owned(), diagonal: low.distance(high), mesh }
     }
 
     fn read(folder: &DataFolder, name: &str) -> Result<Self, Failure> {
@@ -65,6 +62,12 @@ impl Model {
         let number = self.name.rsplit('/').next().and_then(|file| file.split('.').next());
         number.and_then(|number| number.parse().ok()).is_some_and(|number| CUPS.contains(&number))
     }
+}
+
+/// A row of the paper's Table 1, and its mesh.
+struct Paper {
+    row: PaperRow,
+    model: Model,
 }
 
 /// A decomposition on one thread, and its seconds.
@@ -89,11 +92,16 @@ fn all_of(models: &[Model], parameters: &SurfaceParameters) -> Result<Vec<Found>
     models.iter().map(|model| decomposed(&model.mesh, parameters)).collect()
 }
 
+/// The paper's values but for some.
+fn paper_with(change: impl FnOnce(&mut SurfaceParameters)) -> SurfaceParameters {
+    let mut parameters = SurfaceParameters::paper();
+    change(&mut parameters);
+    parameters
+}
+
 /// HACD in the paper's frame.
 fn hacd_of(threshold: f64) -> SurfaceParameters {
-    let mut parameters = SurfaceParameters::paper();
-    parameters.concavity_threshold = Some(threshold);
-    parameters
+    paper_with(|one| one.concavity_threshold = Some(threshold))
 }
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
@@ -119,18 +127,21 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         print(&format!("{:>6.1} s  {}", start.elapsed().as_secs_f64(), table.title))?;
         Ok(table)
     };
-    let mut tables = vec![done(table1::ten(&papers)?)?, done(readings::table(&papers)?)?];
-    tables.push(done(table1::all(&princeton)?)?);
-    tables.push(done(comparisons::hacd(&princeton)?)?);
+    let mut levels = readings::Levels::new();
+    let mut tables = vec![done(table1::ten(&papers, &mut levels)?)?];
+    tables.push(done(readings::table(&papers, &mut levels)?)?);
+    let of_princeton = all_of(&princeton, &SurfaceParameters::paper())?;
+    tables.push(done(table1::all(&of_princeton))?);
+    tables.push(done(comparisons::hacd(&princeton, &of_princeton)?)?);
     tables.push(done(comparisons::hollow(&cups)?)?);
     tables.push(done(comparisons::more_pieces(&papers)?)?);
-    let (of_p_and_r, plots) = ablations::thresholds_and_resolutions(&papers)?;
+    let (of_p_and_r, plots) = ablations::thresholds_and_resolutions(&papers, &models)?;
     for table in of_p_and_r {
         tables.push(done(table)?);
     }
     tables.push(done(ablations::angular_threshold(&princeton)?)?);
-    tables.push(done(ablations::parameters(&papers)?)?);
-    tables.push(done(ablations::exponents(&princeton)?)?);
+    tables.push(done(ablations::parameters(&models)?)?);
+    tables.push(done(ablations::exponents(&of_princeton))?);
     tables.push(done(ablations::spot(&spot)?)?);
     pictures::draw(&arguments.output, &models, &cups, &spot)?;
     let mut words = vec![

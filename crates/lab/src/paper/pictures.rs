@@ -5,9 +5,9 @@ use std::path::Path;
 use hullwright::TriangleMesh;
 use hullwright::surface::SurfaceParameters;
 
-use super::ablations::whole;
+use super::ablations::{RESOLUTION, at, whole, within_900};
 use super::comparisons::vhacd_of;
-use super::{Model, decomposed, hacd_of};
+use super::{Model, decomposed, hacd_of, paper_with};
 use crate::pictures::write;
 use crate::render::{Layout, Panel};
 use crate::terminal::Failure;
@@ -36,7 +36,7 @@ pub const FIGURES: [(&str, &str); 4] = [
     ),
     (
         "figure-4.png",
-        "Figure 4: cups, by the paper's method, HACD, and V-HACD asked for as many pieces",
+        "Figure 4: cups, by the paper's method, HACD, and V-HACD with a limit of as many pieces",
     ),
     (
         "figure-5.png",
@@ -51,8 +51,7 @@ pub fn draw(folder: &Path, models: &[Model], cups: &[Model], spot: &Model) -> Re
     let elevation = Layout::default().view.elevation;
     let mut rows = Vec::new();
     for cup in cups.iter().take(2) {
-        let mut unmerged = paper.clone();
-        unmerged.significant_diagonal = 0.0;
+        let unmerged = paper_with(|one| one.significant_diagonal = 0.0);
         let [before, _] = panels(&cup.mesh, &unmerged)?;
         let [after, hulls] = panels(&cup.mesh, &paper)?;
         rows.push(vec![Panel::mesh(&cup.mesh), before, after, hulls]);
@@ -79,19 +78,15 @@ pub fn draw(folder: &Path, models: &[Model], cups: &[Model], spot: &Model) -> Re
         rows.push(vec![Panel::mesh(&cup.mesh), ours, Panel { explosion: 0.0, ..theirs }, equal]);
     }
     write(&four, rows, PANEL, FROM_ABOVE)?;
-    let mut with_900 = paper.clone();
-    with_900.maximum_resolutions = vec![900];
     let mut row = vec![Panel::mesh(&spot.mesh)];
-    for parameters in [whole(paper.clone()), whole(hacd), with_900] {
+    for parameters in [whole(paper.clone()), whole(hacd), within_900()] {
         row.extend(panels(&spot.mesh, &parameters)?);
     }
     let mut rows = vec![row];
     for model in models.iter().take(3) {
         let mut row = vec![Panel::mesh(&model.mesh)];
         for &p in &paper.planar_thresholds {
-            let mut one = paper.clone();
-            (one.planar_thresholds, one.maximum_resolutions) = (vec![p], vec![500]);
-            let [_, hulls] = panels(&model.mesh, &one)?;
+            let [_, hulls] = panels(&model.mesh, &at(p, RESOLUTION))?;
             row.push(hulls);
         }
         rows.push(row);

@@ -8,10 +8,9 @@ use hullwright::hull::convex_hull;
 use hullwright::surface::SurfaceParameters;
 use hullwright::{GroupedMesh, Length, TriangleMesh};
 
-use super::table1::Paper;
-use super::{Model, decomposed, unity};
+use super::{Model, Paper, decomposed, unity};
 use crate::report::Table;
-use crate::shapes::Vector;
+use crate::shapes::{Vector, bounds};
 use crate::terminal::Failure;
 use crate::tools::variations::Variation;
 
@@ -110,7 +109,7 @@ fn readings() -> Vec<(&'static str, Reading)> {
 }
 
 /// A row for each reading, as the module's head says.
-pub(super) fn table(papers: &[Paper]) -> Result<Table, Failure> {
+pub(super) fn table(papers: &[Paper], levels: &mut Levels) -> Result<Table, Failure> {
     let note = "The closest reading, and each other choice in its place alone. Of ten rows: how many have the \
                 paper's polygons, pieces, cost (to its last digit), p, r, and both p and r. Then p and r of each \
                 model, in bold where both are the paper's.";
@@ -119,11 +118,10 @@ pub(super) fn table(papers: &[Paper]) -> Result<Table, Failure> {
     let mut table = Table::new("Readings of Table 1", note, &[]);
     table.header = heads.into_iter().chain(names).collect();
     let parameters = SurfaceParameters::paper();
-    let mut levels = BTreeMap::new();
     for (name, reading) in readings() {
         let (mut agreeing, mut cells) = ([0_usize; 6], Vec::new());
         for Paper { row, model } in papers {
-            let tree = tree(model, &reading, &parameters, &mut levels)?;
+            let tree = tree(model, &reading, &parameters, levels)?;
             let Some((found, _)) = select(&tree, &reading) else { continue };
             let (p, r) = (found.p == row.p, found.r == row.r);
             let is_cost = (found.cost - row.cost).abs() < 1e-6;
@@ -286,16 +284,15 @@ fn cost(positions: &[[f64; 3]], group: &[[u32; 3]], weighted: bool) -> f64 {
         exits.reduce(f64::min).unwrap_or(0.0)
     };
     let deepest = points.iter().zip(normals.values()).map(depth).fold(0.0, f64::max);
-    let vectors = || points.iter().map(|&point| Vector::from(point));
-    let (low, high) = (vectors().reduce(Vector::min), vectors().reduce(Vector::max));
-    low.zip(high).map_or(0.0, |(low, high)| deepest / low.distance(high))
+    let (low, high) = bounds(&points);
+    deepest / low.distance(high)
 }
 
 /// Section 3.5: the chosen candidate, and k.
 pub(super) fn select(tree: &[Branch], reading: &Reading) -> Option<(Candidate, f64)> {
     let mut candidates: Vec<Candidate> = Vec::new();
     let mut before: Option<&TriangleMesh> = None;
-    for branch in tree.iter() {
+    for branch in tree {
         if before.replace(&branch.mesh).is_some_and(|before| *before == branch.mesh) {
             continue;
         }

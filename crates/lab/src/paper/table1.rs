@@ -3,20 +3,13 @@
 use hullwright::surface::SurfaceParameters;
 
 use super::readings::{CLOSEST, Levels, select, tree};
-use super::{Figure, Found, Model, all_of, decomposed};
+use super::{Figure, Found, Paper, decomposed};
 use crate::report::{Table, number};
 use crate::statistics::{mean, median, range};
 use crate::terminal::Failure;
-use crate::tools::data_folder::PaperRow;
-
-/// A row of the paper's table, and its mesh.
-pub struct Paper {
-    pub row: PaperRow,
-    pub model: Model,
-}
 
 /// The paper's rows, those of the closest reading, and the library's.
-pub fn ten(papers: &[Paper]) -> Result<Table, Failure> {
+pub fn ten(papers: &[Paper], levels: &mut Levels) -> Result<Table, Failure> {
     let header = [
         "model",
         "whose",
@@ -33,13 +26,13 @@ pub fn ten(papers: &[Paper]) -> Result<Table, Failure> {
                 reading; and the library's own. Pieces are groups of more than two polygons, as the paper \
                 counts them; the library's row adds all its hulls.";
     let mut table = Table::new("Table 1", note, &header);
-    let (parameters, mut levels) = (SurfaceParameters::paper(), Levels::new());
+    let parameters = SurfaceParameters::paper();
     for Paper { row, model } in papers {
         let rest = [row.p, row.r as f64, row.polygons as f64, row.initial_polygons as f64];
         let theirs = [row.pieces as f64, row.average_pieces, row.seconds, row.cost];
         let theirs = theirs.into_iter().chain(rest).map(|value| value.to_string());
         table.rows.push([row.name(), "paper".into()].into_iter().chain(theirs).collect());
-        let tree = tree(model, &CLOSEST, &parameters, &mut levels)?;
+        let tree = tree(model, &CLOSEST, &parameters, levels)?;
         if let Some((found, average)) = select(&tree, &CLOSEST) {
             table.rows.push(vec![
                 row.name(),
@@ -79,8 +72,8 @@ fn pieces(groups: &[u32]) -> usize {
     groups.chunk_by(|a, b| a == b).filter(|group| group.len() > 2).count()
 }
 
-pub fn all(princeton: &[Model]) -> Result<Table, Failure> {
-    let found = all_of(princeton, &SurfaceParameters::paper())?;
+/// The same of each Princeton mesh, by the library.
+pub fn all(found: &[Found]) -> Table {
     let note = format!("The library's paper method on {} Princeton meshes.", found.len());
     let header = ["what", "least", "median", "mean", "most"];
     let mut table = Table::new("Table 1 over all Princeton meshes", &note, &header);
@@ -98,5 +91,5 @@ pub fn all(princeton: &[Model]) -> Result<Table, Failure> {
         let row = [least, median(values.clone()), mean(&values), most].map(number);
         table.rows.push([name.to_owned()].into_iter().chain(row).collect());
     }
-    Ok(table)
+    table
 }

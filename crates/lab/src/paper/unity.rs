@@ -1,6 +1,6 @@
 //! The simplifier that the paper used, Unity Mesh Simplifier with its default options, to see what
-//! of Table 1 hangs on it: edges below a threshold that rises from pass to pass are collapsed in the
-//! order of the triangles, to where the quadric error is least (Garland and Heckbert 1997).
+//! of Table 1 hangs on it: edges below a threshold that rises from pass to pass are collapsed in
+//! the order of the triangles, to where the quadric error is least (Garland and Heckbert 1997).
 
 use std::array::from_fn;
 

@@ -4,7 +4,7 @@
 
 import { hullArrays, meshArrays, namedFiles, parameterText } from "./arguments.js";
 import * as module from "./calls.js";
-import { checked, HullwrightError, plain, typed as typedError } from "./error.js";
+import { checked, HullwrightError, plain, typed } from "./error.js";
 import type {
   Decomposition, Hulls, Measurement, MergeTree, Mesh, MeshFiles, MeshFormat, Options, Parameters, ReadMesh,
 } from "./types.js";
@@ -24,14 +24,14 @@ export async function load(given: ModuleSource | Promise<ModuleSource>): Promise
     module.start(bytes instanceof WebAssembly.Module ? bytes : await WebAssembly.compile(bytes as BufferSource));
     isLoaded = true;
   } catch (error) {
-    throw typedError(error, "module");
+    throw typed(error, "module");
   }
 }
 
 let isLoaded = false;
 
-/** The module's errors as those of the package. */
-function typed<A, T>(makeArgs: () => A, call: (args: A) => T): T {
+/** Arguments that are sound for the module, and its errors as those of the package. */
+function run<A, T>(makeArgs: () => A, call: (args: A) => T): T {
   const args = checked(makeArgs);
   if (!isLoaded) throw new HullwrightError("module", "the module is not loaded: `await load(module)` first");
   try {
@@ -45,7 +45,7 @@ function typed<A, T>(makeArgs: () => A, call: (args: A) => T): T {
 
 /** Decomposes a mesh into convex hulls. */
 export function decompose(mesh: Mesh, options: Options = {}): Decomposition {
-  return typed(
+  return run(
     () => [meshArrays(mesh), parameterText(options)] as const,
     (args) => module.calls(options?.onProgress).decompose(...args),
   );
@@ -53,7 +53,7 @@ export function decompose(mesh: Mesh, options: Options = {}): Decomposition {
 
 /** Samples how far hulls are from a mesh, and the mesh from them. */
 export function measure(mesh: Mesh, hulls: Hulls, options: Parameters = {}): Measurement {
-  return typed(
+  return run(
     () => [meshArrays(mesh), hullArrays(hulls), parameterText(options)] as const,
     (args) => module.calls().measure(...args),
   );
@@ -61,7 +61,7 @@ export function measure(mesh: Mesh, hulls: Hulls, options: Parameters = {}): Mea
 
 /** Joins hulls down to one. */
 export function mergeTree(mesh: Mesh, hulls: Hulls, options: Parameters = {}): MergeTree {
-  return typed(
+  return run(
     () => [meshArrays(mesh), hullArrays(hulls), parameterText(options)] as const,
     (args) => module.calls().mergeTree(...args),
   );
@@ -69,7 +69,7 @@ export function mergeTree(mesh: Mesh, hulls: Hulls, options: Parameters = {}): M
 
 /** Reads a mesh file. */
 export function readMesh(files: MeshFiles, format?: MeshFormat): ReadMesh {
-  return typed(
+  return run(
     () => [namedFiles(files, format)] as const,
     (args) => module.calls().readMesh(...args),
   );

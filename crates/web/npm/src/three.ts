@@ -19,9 +19,7 @@ export function toGeometries(hulls: readonly Pick<Hull, "points" | "indices">[])
 /** What `decompose` takes, of a geometry in its own space, as far as its `drawRange` goes. Interleaved and quantised
  * attributes are read as well. */
 export function fromGeometry(geometry: BufferGeometry): Mesh {
-  const mesh = { positions: [], indices: [] };
-  add(mesh, geometry, new Matrix4(), false);
-  return finished(mesh);
+  return merged([{ geometry, matrix: new Matrix4(), isGrouped: false }]);
 }
 
 /** A mesh below an object, and where its body belongs in the world. */
@@ -36,13 +34,9 @@ export interface Placed {
 /** All visible meshes below an object, such as the `scene` of a glTF, as one in the object's own space. Instances are
  * placed, groups without a material are left out, and skins are at rest. */
 export function fromObject(object: Object3D): Mesh {
-  const mesh = { positions: [], indices: [] };
-  const toObject = new Matrix4();
-  for (const [node, matrix] of drawn(object)) {
-    toObject.copy(object.matrixWorld).invert().multiply(matrix);
-    add(mesh, node.geometry, toObject, isGrouped(node));
-  }
-  return finished(mesh);
+  const all = drawn(object);
+  const toObject = object.matrixWorld.clone().invert();
+  return merged(all.map(([node, matrix]) => part(node, toObject.clone().multiply(matrix))));
 }
 
 /** The same meshes for bodies of their own, each instance one. */
@@ -51,23 +45,18 @@ export function fromObjects(object: Object3D): Placed[] {
     const [position, rotation] = [new Vector3(), new Quaternion()];
     matrix.decompose(position, rotation, new Vector3());
     const place = new Matrix4().compose(position, rotation, new Vector3(1, 1, 1));
-    const mesh = { positions: [], indices: [] };
-    add(mesh, node.geometry, place.invert().multiply(matrix), isGrouped(node));
-    return { node, mesh: finished(mesh), position, rotation };
+    return { node, mesh: merged([part(node, place.invert().multiply(matrix))]), position, rotation };
   });
 }
 
-interface Growing {
-  positions: number[];
-  indices: number[];
+interface Part {
+  geometry: BufferGeometry;
+  matrix: Matrix4;
+  /** Only what is in a group is drawn. */
+  isGrouped: boolean;
 }
 
-const finished = ({ positions, indices }: Growing): Mesh => ({
-  positions: Float32Array.from(positions),
-  indices: Uint32Array.from(indices),
-});
-
-const isGrouped = ({ material }: Drawn) => Array.isArray(material);
+const part = ({ geometry, material }: Drawn, matrix: Matrix4): Part => ({ geometry, matrix, isGrouped: Array.isArray(material) });
 
 /** Meshes with their matrices in the world. */
 function drawn(object: Object3D): [Drawn, Matrix4][] {
@@ -87,27 +76,39 @@ function drawn(object: Object3D): [Drawn, Matrix4][] {
   return found;
 }
 
-/** Adds the triangles of a geometry that are drawn. */
-function add({ positions, indices }: Growing, geometry: BufferGeometry, matrix: Matrix4, grouped: boolean) {
-  const position = typeof geometry?.getAttribute === "function" ? geometry.getAttribute("position") : undefined;
-  if (!position) return refuse("a BufferGeometry with positions is expected, such as `mesh.geometry`");
-  const first = positions.length / 3;
+/** The triangles that are drawn of all parts. */
+function merged(parts: Part[]): Mesh {
+  const all = parts.map(({ geometry, matrix, isGrouped }) => {
+    const position = typeof geometry?.getAttribute === "function" ? geometry.getAttribute("position") : undefined;
+    if (!position) return refuse("a BufferGeometry with positions is expected, such as `mesh.geometry`");
+    const index = geometry.getIndex();
+    const { start: low, count } = geometry.drawRange;
+    const high = Math.min((index ?? position).count, low + count);
+    // Where each range starts, and how many triangles it has.
+    const ranges = (isGrouped ? geometry.groups : [{ start: 0, count: high }]).map(({ start, count }) => {
+      const from = Math.max(0, start, low);
+      return [from, Math.max(0, Math.floor((Math.min(start + count, high) - from) / 3))];
+    });
+    return { position, index, matrix, ranges };
+  });
+  const positions = new Float32Array(all.reduce((sum, { position }) => sum + 3 * position.count, 0));
+  const indices = new Uint32Array(all.reduce((sum, { ranges }) => ranges.reduce((sum, [, count]) => sum + 3 * count, sum), 0));
+  let [vertices, end] = [0, 0];
   const point = new Vector3();
-  for (let i = 0; i < position.count; i++) {
-    point.fromBufferAttribute(position, i).applyMatrix4(matrix);
-    positions.push(point.x, point.y, point.z);
-  }
-  const index = geometry.getIndex();
-  const all = index ? index.count : position.count;
-  const { start, count } = geometry.drawRange;
-  const [low, high] = [Math.max(0, start), Math.min(all, start + count)];
-  const ranges = grouped ? geometry.groups.map(({ start, count }) => [start, start + count]) : [[0, all]];
-  const isMirrored = matrix.determinant() < 0;
-  for (const [from, to] of ranges) {
-    const end = Math.min(to, high);
-    for (let i = Math.max(from, low); i + 2 < end; i += 3) {
-      const [a, b, c] = [0, 1, 2].map((k) => first + (index ? index.getX(i + k) : i + k));
-      indices.push(a, ...(isMirrored ? [c, b] : [b, c]));
+  for (const { position, index, matrix, ranges } of all) {
+    const first = vertices;
+    for (let i = 0; i < position.count; i++, vertices++) {
+      point.fromBufferAttribute(position, i).applyMatrix4(matrix).toArray(positions, 3 * vertices);
+    }
+    const order = matrix.determinant() < 0 ? [0, 2, 1] : [0, 1, 2];
+    for (const [from, count] of ranges) {
+      for (let triangle = 0; triangle < count; triangle++) {
+        for (const k of order) {
+          const corner = from + 3 * triangle + k;
+          indices[end++] = first + (index ? index.getX(corner) : corner);
+        }
+      }
     }
   }
+  return { positions, indices };
 }

@@ -12,16 +12,16 @@
 //! Where the paper is silent:
 //! - **β** is not given.
 //! - **α** is one over a length in the paper, added to a share of a length, so the result would
-//!   depend on the unit of the mesh. Here it is multiplied by ℓ, the average diagonal of the mesh's
-//!   triangles: α starts at about β / 10, as in the first publication of HACD, and falls while
+//!   depend on the unit of the mesh. Here it is multiplied by ℓ, the average diagonal of the
+//!   mesh's triangles: α starts at about β / 10, as in the first publication of HACD, and falls while
 //!   surfaces grow. The diagonal of the mesh can't be meant: then hardly any two triangles of a
 //!   fine mesh could be joined.
 //! - The node with more triangles remains; of equal costs the pair with the lower numbers goes
 //!   first.
 //!
 //! A collapse changes the costs of the edges at the node that remains, and no other. Of those an
-//! edge enters the queue with a lower bound that takes little time: the shape factor's part, and the
-//! depth that a vertex had before, in one of the surfaces or when the edge was judged last. Only an
+//! edge enters the queue with a lower bound that takes little time: the shape factor's part, and
+//! the depth that a vertex had before, in one of the surfaces or when the edge was judged last. Only an
 //! edge that comes to the front is judged, and goes back with its cost. That is the same order of
 //! collapses as if all were judged at once. Costs of at least β are not needed, so they are not
 //! computed to the end and not kept: an edge that is too costly stays so until one of its ends
@@ -111,8 +111,8 @@ impl PartialOrd for Edge {
 struct Border {
     neighbour: u32,
     length: f64,
-    /// A vertex that is at least so deep in the hull of both: what was the deepest one when both were
-    /// judged last. While they grow the hull is farther to leave, unless the normal changes.
+    /// A vertex that is at least so deep in the hull of both: what was the deepest one when both
+    /// were judged last. While they grow the hull is farther to leave, unless the normal changes.
     deep: Deepest,
 }
 
@@ -295,8 +295,8 @@ struct Deepest {
     vertex: u32,
 }
 
-/// A vertex of a surface: the sum of the unit normals of the surface's own triangles at it, which is
-/// the direction of its normal with respect to the surface, and the number of them.
+/// A vertex of a surface: the sum of the unit normals of the surface's own triangles at it, which
+/// is the direction of its normal with respect to the surface, and the number of them.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Corner {
     vertex: u32,
