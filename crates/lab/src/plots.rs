@@ -27,8 +27,8 @@ const FONTS: &str = "system-ui, -apple-system, 'Segoe UI', Roboto, 'Noto Sans', 
 pub const TITLE_SIZE: i32 = 17;
 pub const LABEL_SIZE: i32 = 13;
 
-/// Distinct for colour-blind eyes too (Okabe and Ito); they repeat.
-const COLOURS: [RGBColor; 7] = [
+/// The first are distinct for colour-blind eyes too (Okabe and Ito); of more lines they repeat.
+const COLOURS: [RGBColor; 10] = [
     RGBColor(213, 94, 0),
     RGBColor(0, 114, 178),
     RGBColor(0, 158, 115),
@@ -36,7 +36,13 @@ const COLOURS: [RGBColor; 7] = [
     RGBColor(180, 140, 0),
     RGBColor(86, 180, 233),
     RGBColor(120, 120, 120),
+    RGBColor(110, 60, 150),
+    RGBColor(120, 75, 30),
+    RGBColor(150, 190, 60),
 ];
+
+/// The room to the right for the names of the lines, as a share of their width.
+const NAMES: f64 = 0.1;
 
 /// A line and its name.
 pub struct Series {
@@ -57,6 +63,7 @@ fn draw(
 ) -> Result<String, Box<dyn std::error::Error>> {
     let points = || series.iter().flat_map(|series| series.points.iter().copied());
     let (left, right) = range(points().map(|point| point.0));
+    let right = right + NAMES * (right - left);
     let (_, high) = range(points().map(|point| point.1));
     let mut svg = String::new();
     {
