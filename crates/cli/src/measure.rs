@@ -2,7 +2,9 @@
 
 use std::path::PathBuf;
 
-use hullwright::measure::{Distances, MeasureOptions, Measurement, measure};
+use hullwright::measure::{
+    Distances, MeasureOptions, Measurement, VerifiedDistances, measure, verify,
+};
 use hullwright::{Control, Length};
 use hullwright_cli::terminal::{Failure, print, print_json};
 use hullwright_formats::read_hulls;
@@ -18,7 +20,7 @@ use crate::progress::waiting;
 #[command(
     after_help = "Protrusion is how far the hulls reach outside the solid, uncovered how far the \
     surface reaches outside all hulls, uncovered volume the percentage of the solid in no hull. Points \
-    are sampled, the same on every run. With --surface distances are bounds for whole triangles."
+    are sampled, the same on every run; --verify bounds the errors of whole faces from above. With --surface distances are bounds for whole triangles."
 )]
 pub struct Arguments {
     #[arg(help = mesh_help())]
@@ -36,6 +38,10 @@ pub struct Arguments {
     /// With --surface: measure triangles that nothing can touch, too
     #[arg(long, requires = "surface")]
     keep_hidden: bool,
+
+    /// Bound protrusion and uncovered distance from above, too: no samples
+    #[arg(long, conflicts_with = "surface")]
+    verify: bool,
 
     /// Print one line of JSON instead of a table
     #[arg(long)]
@@ -72,8 +78,13 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mesh = read_with_warnings(&arguments.mesh)?;
     let hulls = waiting("reading", || read_hulls(&arguments.hulls))?;
     let options = MeasureOptions::from(&solid);
-    let judged = waiting("measuring", || measure(&mesh, &hulls, &options, &Control::new()));
-    let found = judged.map_err(|error| {
+    let control = Control::new();
+    let judged = waiting("measuring", || {
+        let found = measure(&mesh, &hulls, &options, &control)?;
+        let verified = arguments.verify.then(|| verify(&mesh, &hulls, &options, &control));
+        Ok((found, verified.transpose()?))
+    });
+    let (found, verified) = judged.map_err(|error| {
         let path = match error {
             hullwright::Error::NoHulls | hullwright::Error::UnusableHull { .. } => &arguments.hulls,
             _ => &arguments.mesh,
@@ -81,17 +92,18 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         format!("{}: {error}", path.display())
     })?;
     if arguments.json {
-        return print_json(&line(arguments, &found));
+        return print_json(&line(arguments, &found, verified.as_ref()));
     }
-    print(&found.to_string())
+    let verified = verified.map(|verified| format!("\n{verified}")).unwrap_or_default();
+    print(&format!("{found}{verified}"))
 }
 
 /// Lengths are in the mesh's units, as in all lines of JSON. A figure that needs a volume is null
 /// where the mesh has none.
-fn line(arguments: &Arguments, found: &Measurement) -> Value {
+fn line(arguments: &Arguments, found: &Measurement, verified: Option<&VerifiedDistances>) -> Value {
     let length = |share: f64| share * found.diagonal;
     let distances = |of: &Distances| json!({ "mean": length(of.mean), "p99": length(of.p99), "max": length(of.max) });
-    json!({
+    let mut line = json!({
         "mesh": arguments.mesh.display().to_string(),
         "hulls_file": arguments.hulls.display().to_string(),
         "hulls": found.hulls,
@@ -111,5 +123,13 @@ fn line(arguments: &Arguments, found: &Measurement) -> Value {
         "diagonal": found.diagonal,
         "samples": found.samples,
         "version": env!("CARGO_PKG_VERSION"),
-    })
+    });
+    if let Some(verified) = verified {
+        line["verified"] = json!({
+            "protrusion_max": length(verified.protrusion_max),
+            "uncovered_max": length(verified.uncovered_max),
+            "resolution": length(verified.resolution),
+        });
+    }
+    line
 }

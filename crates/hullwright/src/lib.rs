@@ -118,6 +118,7 @@ mod geometry;
 pub mod hull;
 pub mod hulls_format;
 pub mod inspect;
+mod least_hulls;
 mod mass;
 pub mod measure;
 pub mod merge_tree;
@@ -146,6 +147,7 @@ pub use decomposition::{
 pub use error::{Error, FileError};
 pub use geometry::{Bounds, Coordinate, MeshView, Sidedness, TriangleMesh};
 pub use hull::{ConvexHull, convex_hull};
+pub use least_hulls::{LeastHulls, least_hulls};
 #[cfg(feature = "nalgebra")]
 pub use mass::PrincipalInertia;
 pub use mass::{MassProperties, MassSource, mass_properties, mass_properties_with};

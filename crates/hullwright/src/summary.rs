@@ -14,7 +14,7 @@ use crate::decomposition::{Decomposition, Hull, Report, RunReport};
 use crate::hulls_format::HullScene;
 use crate::hulls_format::HullsFile;
 use crate::inspect::Inspection;
-use crate::measure::{Distances, Measurement};
+use crate::measure::{Distances, Measurement, VerifiedDistances};
 use crate::merge_tree::CurvePoint;
 use crate::mesh::Repairs;
 use crate::method::MethodReport;
@@ -294,6 +294,18 @@ impl Display for Measurement {
             write!(formatter, "\n{open:.1} % {reason}")?;
         }
         Ok(())
+    }
+}
+
+impl Display for VerifiedDistances {
+    fn fmt(&self, formatter: &mut Formatter<'_>) -> fmt::Result {
+        let [protrusion, uncovered, resolution] =
+            [self.protrusion_max, self.uncovered_max, self.resolution].map(relative);
+        write!(
+            formatter,
+            "verified: protrusion at most {protrusion}, uncovered at most {uncovered}, resolved to \
+             {resolution}"
+        )
     }
 }
 

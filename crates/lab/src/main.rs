@@ -17,6 +17,7 @@ mod fragments;
 mod independent;
 #[cfg(test)]
 mod independent_tests;
+mod least;
 mod level;
 mod paper;
 mod pictures;
@@ -56,6 +57,7 @@ enum Command {
     Floor(floor::Arguments),
     Concavity(concavity::Arguments),
     Stages(stages::Arguments),
+    Least(least::Arguments),
     Level(level::Arguments),
     Gallery(gallery::Arguments),
     Pictures(pictures::Arguments),
@@ -76,6 +78,7 @@ fn main() -> ExitCode {
         Command::Floor(arguments) => floor::run(&arguments),
         Command::Concavity(arguments) => concavity::run(&arguments),
         Command::Stages(arguments) => stages::run(&arguments),
+        Command::Least(arguments) => least::run(&arguments),
         Command::Level(arguments) => level::run(&arguments),
         Command::Gallery(arguments) => gallery::run(&arguments),
         Command::Pictures(arguments) => pictures::run(&arguments),

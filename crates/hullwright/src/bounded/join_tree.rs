@@ -18,14 +18,13 @@ use std::collections::HashMap;
 use super::joins::{Cost, Pair, PairQueue, ordered};
 use super::output::normalized;
 use super::settings::Settings;
-use super::uncovered::{HullDistance, uncovered_distance};
+use super::verifier::Verifier;
 use crate::control::Control;
 use crate::decomposition::Hull;
 use crate::error::Error;
 use crate::geometry::vector::{Vector, bounds};
 use crate::hull::{ConvexHull, HullBuilder, joint_hull, limit_vertices};
 use crate::mesh::PreparedMesh;
-use crate::mesh::simplification::Simplification;
 use crate::parallel;
 use crate::parameters::Parameters;
 use crate::solid::Solid;
@@ -82,32 +81,25 @@ impl JoinTree {
         parameters: &Parameters,
         control: &Control,
     ) -> Result<(Self, f64), Error> {
-        let settings = Settings::after_search(parameters, &prepared.normalization);
-        let exact = Simplification::exact(prepared, settings.bound.exact(), control)?;
-        let solid = Solid::new(&exact, &settings.solid(), control)?;
+        let verifier = Verifier::new(prepared, parameters, control)?;
         let mut leaves = Vec::with_capacity(hulls.len());
         for (index, hull) in hulls.iter().enumerate() {
             let (hull, verified) = normalized(hull, index, &prepared.normalization)?;
             let protrusion = match verified {
                 Some(protrusion) => protrusion,
-                None => {
-                    protrusion(&hull, &solid, settings.bound.verified(), f64::INFINITY, control)?
-                }
+                None => verifier.protrusion(&hull, control)?,
             };
             leaves.push((hull, protrusion));
         }
-        let tree = Self::new(leaves, 1, &solid, &settings, control)?;
-        if let Some(uncovered) = uncovered {
-            return Ok((tree, uncovered));
-        }
-        let leaves = tree.nodes[..tree.leaves].iter();
-        let distances: Vec<HullDistance> =
-            leaves.map(|node| HullDistance::new(&node.hull)).collect();
-        let all: Vec<(u32, u32)> =
-            (0..exact.mesh.triangles.len() as u32).map(|triangle| (triangle, 0)).collect();
-        let tolerance = settings.bound.tolerance();
-        let uncovered = uncovered_distance(&exact.mesh, &all, &distances, tolerance, control)?;
-        Ok((tree, uncovered + exact.most_moved()))
+        let tree = Self::new(leaves, 1, &verifier.solid, &verifier.settings, control)?;
+        let uncovered = match uncovered {
+            Some(uncovered) => uncovered,
+            None => {
+                let leaves = tree.nodes[..tree.leaves].iter();
+                verifier.uncovered(leaves.map(|node| &node.hull), control)?
+            }
+        };
+        Ok((tree, uncovered))
     }
 
     /// The number of joins.

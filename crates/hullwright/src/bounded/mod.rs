@@ -22,6 +22,7 @@
 //! | `joins` | pairs that may join |
 //! | `join_tree` | hulls join beyond the bound, the pair that protrudes least first |
 //! | `uncovered` | how far the exact surface lies outside the hulls |
+//! | `verifier` | both errors of finished hulls |
 //! | `output` | results in the input's units |
 
 pub(crate) mod cover;
@@ -44,3 +45,4 @@ pub(crate) mod search;
 pub(crate) mod settings;
 pub(crate) mod surfaces;
 mod uncovered;
+pub(crate) mod verifier;

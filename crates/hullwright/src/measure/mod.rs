@@ -25,7 +25,8 @@
 //!
 //! Points are the same on every run, on any number of threads: evenly spread sequences, not random
 //! numbers, unless [`MeasureOptions::random_seed`] is set. A maximum is that of the sampled points;
-//! the true one may be higher, by more the sharper the spike. [`MeasureOptions`] has the numbers of
+//! the true one may be higher, by more the sharper the spike: [`verify()`] bounds it from above.
+//! [`MeasureOptions`] has the numbers of
 //! points, [`Measurement::samples`] says what became of them. For points of your own there are
 //! [`MeasuredMesh`] and [`MeasuredHulls`].
 //!
@@ -35,10 +36,12 @@
 //! | `sampling` | evenly spread points on a surface and in a box |
 //! | `hulls` | each hull on its own, and the union of all |
 //! | `pointwise` | the solid that they are measured against; errors of points that the caller chooses |
+//! | `verify` | upper bounds instead of samples |
 
 mod hulls;
 mod pointwise;
 mod sampling;
+mod verify;
 
 use crate::bvh::{Bvh, INSIDE};
 use crate::control::Control;
@@ -60,6 +63,7 @@ use sampling::{SampledSurface, in_unit_cube};
 pub use crate::probe::FilledSurface;
 pub use hulls::HullCheck;
 pub use pointwise::{MeasuredHulls, MeasuredMesh};
+pub use verify::{VerifiedDistances, verify};
 
 /// How closely [`measure()`] looks.
 ///
@@ -135,6 +139,13 @@ impl From<&Parameters> for MeasureOptions {
 }
 
 impl MeasureOptions {
+    fn of_openings(&self) -> OpeningSettings {
+        let &Self { openings, flatness, up_axis, keep_cavities, .. } = self;
+        // A probe may start in a cavity.
+        let keep_cavities = keep_cavities || !self.probe_from.is_empty();
+        OpeningSettings { openings, flatness, up_axis, keep_cavities }
+    }
+
     fn validate(&self) -> Result<(), Error> {
         for (name, count) in
             [("hull_samples", self.hull_samples), ("mesh_samples", self.mesh_samples)]
@@ -250,6 +261,10 @@ pub struct Measurement {
 /// A mesh with a larger share of open edges has no volume to speak of.
 const MOST_OPEN_EDGES: f64 = 0.005;
 
+/// Why the first hull is refused where none can be judged.
+const NONE_USABLE: &str = "like all others, it has no triangles, an index out of range, or a \
+                           coordinate that is not finite";
+
 /// Measures hulls against a mesh. Triangles with a coordinate that is not finite are left out;
 /// duplicate and degenerate ones change nothing.
 ///
@@ -313,9 +328,7 @@ fn judge(
         parts.iter().map(|part| part.as_ref().map(|part| part.check)).collect();
     let parts: Vec<MeasuredHull> = parts.into_iter().flatten().collect();
     if parts.is_empty() {
-        let reason = "like all others, it has no triangles, an index out of range, or a coordinate \
-                      that is not finite";
-        return Err(Error::UnusableHull { hull: 0, reason });
+        return Err(Error::UnusableHull { hull: 0, reason: NONE_USABLE });
     }
 
     let union = Union::new(parts);
@@ -381,11 +394,7 @@ impl Mesh {
         options: &MeasureOptions,
         control: &Control,
     ) -> Result<(Self, Normalization), Error> {
-        let &MeasureOptions { openings, flatness, up_axis, keep_cavities, .. } = options;
-        // A probe may start in a cavity.
-        let keep_cavities = keep_cavities || !options.probe_from.is_empty();
-        let settings = OpeningSettings { openings, flatness, up_axis, keep_cavities };
-        let closed = prepare_closed(source, &settings, control)?;
+        let closed = prepare_closed(source, &options.of_openings(), control)?;
         let is_changed = closed.is_changed();
         let prepared = closed.prepared;
         // As repair sees it: nothing else may decide what the diagonal is.

@@ -191,6 +191,12 @@ impl Grid {
         Self { surface, origin, size, inverse_size, blocks: Blocks::new(dimensions) }
     }
 
+    /// The corners of a box around the surface.
+    pub fn bounds(&self) -> (Vector, Vector) {
+        let dimensions = Vector::from_array(self.blocks.dimensions.map(|count| count as f64));
+        (self.origin, self.origin + dimensions * f64::from(self.size))
+    }
+
     /// A point in its cell, or in the nearest one, with bounds on its distance from the surface.
     #[inline]
     pub fn locate(&self, point: Vector) -> Location<'_> {

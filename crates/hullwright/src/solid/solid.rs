@@ -165,6 +165,29 @@ impl Solid {
         self.surface().side(point)
     }
 
+    /// The radius of a ball around a point that is outside as a whole, and holds no surface; any
+    /// radius below `least` if it is less than that. Where the surface is open, it may be less than
+    /// the greatest one. O(log n).
+    pub fn clearance(&self, point: Vector, least: f64) -> f64 {
+        if let Some(Ball { side: Side::Inside, .. }) = self.grid.ball(point) {
+            return 0.0;
+        }
+        let at = self.locate(point);
+        if at.upper + ROUNDING < least {
+            return 0.0;
+        }
+        let Some(closest) = self.closest(point, at.triangle()) else { return 0.0 };
+        match closest.distance < least {
+            true => 0.0,
+            false => self.surface().clearance(point, closest.distance),
+        }
+    }
+
+    /// The corners of the bounding box of the surface.
+    pub fn bounds(&self) -> (Vector, Vector) {
+        self.grid.bounds()
+    }
+
     /// Bounds on the distance of a point from the surface, and its side, by the grid. O(1) once the
     /// point's cell is filled.
     #[inline]

@@ -15,6 +15,9 @@ use crate::geometry::vector::Vector;
 /// it is one half, so that rounding would decide.
 pub(super) const OPEN_INSIDE: f64 = 0.52;
 
+/// Winding numbers by expansion are off by no more than this.
+const EXPANSION_ERROR: f64 = 0.01;
+
 /// Where a point is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Side {
@@ -80,6 +83,20 @@ impl Surface {
     /// `needed` may be returned as 0.
     pub fn depth(&self, point: Vector, distance: f64, needed: f64) -> Option<f64> {
         self.depth_by(self.winding_number(point), point, distance, needed)
+    }
+
+    /// The radius of a ball around a point that is outside as a whole, where the surface is
+    /// `distance` away; 0 if the point itself is inside.
+    pub fn clearance(&self, point: Vector, distance: f64) -> f64 {
+        if self.is_closed() {
+            return if self.tree.encloses(point) { 0.0 } else { distance };
+        }
+        let missing = OPEN_INSIDE - EXPANSION_ERROR - self.winding_number(point);
+        if missing <= 0.0 {
+            return 0.0;
+        }
+        let slope = self.boundary.slope(point, distance, f64::INFINITY);
+        slope.way_within(missing).min(distance)
     }
 
     /// The same, where the winding number about the point is known.

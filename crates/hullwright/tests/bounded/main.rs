@@ -9,6 +9,7 @@
 //! | `shapes` | simple shapes have few hulls, which fill the solid and leave empty what is empty |
 //! | `two_sided` | solids whose faces are there both ways round are solids; what is open on purpose stays a sheet |
 //! | `probe` | no ball that comes from outside is entered by more than the bound; what none reaches may fill |
+//! | `least_hulls` | no result has fewer hulls than the lower bound says |
 //! | `limits` | limits on vertices and hulls are kept; joins down to one hull |
 
 mod bundled_models;
@@ -20,6 +21,7 @@ mod degenerate_input;
 #[allow(dead_code)]
 #[path = "../independent/mod.rs"]
 mod independent;
+mod least_hulls;
 mod limits;
 mod probe;
 mod promise;

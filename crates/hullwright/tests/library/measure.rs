@@ -1,9 +1,9 @@
 //! What `measure` promises: known answers, and that no hull set makes it panic.
 
-use hullwright::measure::{MeasureOptions, Measurement, measure};
-use hullwright::{Control, Error, MeshView, Openings};
+use hullwright::measure::{MeasureOptions, Measurement, VerifiedDistances, measure, verify};
+use hullwright::{Control, Error, MeshView, Openings, Parameters, decompose};
 
-use crate::common::{Mesh, cuboid, join, l_prism, polygon, prism, turned, view};
+use crate::common::{Mesh, bundled_models, cuboid, join, l_prism, polygon, prism, turned, view};
 
 fn unit_cube() -> Mesh {
     cuboid([0.0; 3], [1.0; 3])
@@ -442,4 +442,84 @@ fn an_open_box_wound_inward_is_a_sheet_without_an_inside() {
     let wound_inward = judged(&turned(&open), &[inside]);
     assert_near(wound_outward.protrusion.max, 0.0, ROUNDING);
     assert!(wound_inward.protrusion.max > 0.1);
+}
+
+#[test]
+fn verified_distances_are_upper_bounds_that_are_nearly_reached() {
+    let cube = unit_cube();
+    let diagonal = 3_f64.sqrt();
+    for height in [0.0001, 0.003, 0.02, 0.1, 0.7] {
+        let taller = cuboid([0.0; 3], [1.0, 1.0, 1.0 + height]);
+        let found = verified(&cube, std::slice::from_ref(&taller));
+        let expected = height / diagonal;
+        assert_near(found.diagonal, diagonal, 1e-15);
+        let above = found.protrusion_max - expected;
+        assert!((0.0..=found.resolution + 1e-6).contains(&above), "{height}: {found:?}");
+        assert!(found.resolution < 0.06 * expected.max(1e-4), "{height}: {found:?}");
+        assert!(found.uncovered_max <= found.resolution, "{height}: {found:?}");
+        // The other way round it is the mesh that lies outside.
+        let found = verified(&taller, &[unit_cube()]);
+        let expected = height / found.diagonal;
+        let above = found.uncovered_max - expected;
+        assert!((-1e-9..=found.resolution + 1e-6).contains(&above), "{height}: {found:?}");
+    }
+}
+
+#[test]
+fn a_spike_that_samples_miss_is_verified() {
+    // A needle on a face: hardly any point of the surface is near its tip.
+    let (mut positions, mut triangles) = unit_cube();
+    let base = positions.len() as u32;
+    positions.extend([[0.5, 0.5, 1.0], [0.5001, 0.5, 1.0], [0.5, 0.5001, 1.0], [0.5, 0.5, 1.5]]);
+    triangles.extend([[0, 1, 3], [1, 2, 3], [2, 0, 3], [0, 2, 1]].map(|t| t.map(|v| base + v)));
+    let needle = (positions, triangles);
+    let sampled = judged(&needle, &[unit_cube()]);
+    let found = verified(&needle, &[unit_cube()]);
+    let expected = 0.5 / found.diagonal;
+    assert!(sampled.uncovered.max < 0.95 * expected, "{}", sampled.uncovered.max);
+    assert!((expected - 1e-9..1.05 * expected).contains(&found.uncovered_max), "{found:?}");
+}
+
+#[test]
+fn what_cannot_be_judged_is_left_out_of_verification_and_flat_hulls_cover_nothing() {
+    let cube = unit_cube();
+    let unusable = (vec![[f64::NAN; 3]; 3], vec![[0, 1, 2]]);
+    let flat = (vec![[0.0, 0.0, 1.3], [1.0, 0.0, 1.3], [0.0, 1.0, 1.3]], vec![[0, 1, 2]]);
+    let found = verified(&cube, &[unusable.clone(), unit_cube(), flat.clone()]);
+    let expected = 0.3 / found.diagonal;
+    assert!((expected - 1e-9..1.05 * expected).contains(&found.protrusion_max), "{found:?}");
+    assert!(found.uncovered_max <= found.resolution, "{found:?}");
+    let control = Control::new();
+    let try_verify = |hulls: &[Mesh]| {
+        let hulls: Vec<MeshView<'_>> = hulls.iter().map(view).collect();
+        verify(view(&cube), &hulls, &MeasureOptions::default(), &control)
+    };
+    assert_eq!(try_verify(&[]), Err(Error::NoHulls));
+    assert!(matches!(try_verify(&[unusable]), Err(Error::UnusableHull { hull: 0, .. })));
+    control.cancel();
+    assert_eq!(try_verify(&[unit_cube()]), Err(Error::Cancelled));
+}
+
+#[test]
+fn verification_finds_no_more_than_a_decomposition_says_of_itself() {
+    for (name, mesh) in bundled_models() {
+        let control = Control::new();
+        let made = decompose(&mesh, &Parameters::default(), &control).unwrap();
+        let found = verify(&mesh, &made.hulls, &MeasureOptions::default(), &control).unwrap();
+        let report = &made.report;
+        for (verified, said) in [
+            (found.protrusion_max, report.protrusion_max),
+            (found.uncovered_max, report.uncovered_max),
+        ] {
+            // What is far below the bound is not resolved there. A decomposition knows which hull
+            // owns a triangle, so that less is divided.
+            let most = 2.0 * said / made.run.diagonal + found.resolution;
+            assert!(verified <= most + 1e-6, "{name}: {found:?} {report:?}");
+        }
+    }
+}
+
+fn verified(mesh: &Mesh, hulls: &[Mesh]) -> VerifiedDistances {
+    let hulls: Vec<MeshView<'_>> = hulls.iter().map(view).collect();
+    verify(view(mesh), &hulls, &MeasureOptions::default(), &Control::new()).unwrap()
 }

@@ -2,8 +2,10 @@
 //! tables, curves and plots.
 
 mod curves;
+mod elsewhere;
 mod plot;
 mod summary;
+mod worst_cases;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
@@ -16,7 +18,7 @@ use crate::harness::session::limits;
 use crate::harness::{FULL, Judge, Session, Task, row};
 use crate::report::{Report, write};
 use crate::terminal::Failure;
-use crate::tools::data_folder::DataFolder;
+use crate::tools::data_folder::{DataFolder, ToolResult};
 use crate::tools::meshes;
 use crate::tools::methods::Run;
 
@@ -45,7 +47,8 @@ pub struct Arguments {
     #[arg(long, value_name = "METHODS", value_delimiter = ',')]
     only: Vec<String>,
 
-    /// A folder with peers/results.tsv and CoACD's hulls in peers/coacd, to judge them too
+    /// A folder with peers/results.tsv and cuacd.tsv, and hulls in peers/coacd and cuacd, to judge
+    /// them too
     #[arg(long, value_name = "DIR")]
     external_tools: Option<PathBuf>,
 
@@ -78,7 +81,7 @@ const QUICK_MESHES: usize = 12;
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let limits = limits(arguments.time_limit, arguments.memory_limit)?;
     let folder = arguments.external_tools.clone().map(DataFolder).filter(|_| !arguments.quick);
-    let coacd = folder.map_or_else(|| Ok(BTreeMap::new()), |folder| folder.coacd_runs())?;
+    let files = folder.as_ref().map_or_else(|| Ok(BTreeMap::new()), DataFolder::file_runs)?;
     let mut session = Session::open(&arguments.output, limits)?;
     session.retries = arguments.retry;
     if !arguments.report_only {
@@ -86,23 +89,30 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         if arguments.quick {
             meshes = meshes::spread_over_folders(meshes, QUICK_MESHES);
         }
-        session.rows(&meshes, |mesh| tasks(arguments, coacd.get(&mesh.name)))?;
+        session.rows(&meshes, |mesh| {
+            tasks(arguments, files.get(&mesh.name).map_or(&[], Vec::as_slice))
+        })?;
     }
-    Ok(report(&session)?)
+    let beside = folder.map_or_else(|| Ok(Vec::new()), |folder| folder.beside_cuacd())?;
+    Ok(report(&session, &beside)?)
 }
 
 /// Every setting of the requested methods.
-fn tasks(arguments: &Arguments, coacd: Option<&Run>) -> Vec<Task> {
+fn tasks(arguments: &Arguments, files: &[Run]) -> Vec<Task> {
     let mut runs = if arguments.quick { Run::quick() } else { Run::own() };
-    runs.extend(coacd.cloned());
+    runs.extend_from_slice(files);
     let only = &arguments.only;
     runs.retain(|run| only.is_empty() || only.iter().any(|method| method == run.method()));
     let judge = Judge { probe_radius: arguments.probe_radius, ..FULL };
-    runs.into_iter().map(|run| Task::new(run, judge)).collect()
+    let task = |run: Run| {
+        let verifies = Run::is_default(run.method(), &run.setting());
+        Task::new(run, Judge { verifies, ..judge })
+    };
+    runs.into_iter().map(task).collect()
 }
 
 /// Writes the report of what the journal holds.
-fn report(session: &Session) -> Result<(), String> {
+fn report(session: &Session, beside_cuacd: &[ToolResult]) -> Result<(), String> {
     let rows = session.journal();
     let results = Results::new(&rows);
     if results.rows.is_empty() {
@@ -122,8 +132,8 @@ fn report(session: &Session) -> Result<(), String> {
             Vec::from_iter(versions).join("; "),
         ),
         "Seconds are the median of up to three repeats on one thread, reading and writing left \
-         out. Rows `coacd-files` are hull files that were computed on another machine, on as many \
-         threads as CoACD chose, and so are their times. The memory is the peak of the process \
+         out. Rows `coacd-files` and `cuacd-files` are hull files that were computed on another \
+         machine, on as many threads as CoACD chose and on an H100, and so are their times. The memory is the peak of the process \
          while it decomposes, mesh included. The cost is the paper's, for methods that group a \
          surface."
             .into(),
@@ -131,7 +141,9 @@ fn report(session: &Session) -> Result<(), String> {
     let plots = vec![plot::plot(&results)?];
     write(&session.output.join("runs.csv"), &row::to_csv(&results.rows)?)?;
     write(&session.output.join("versus.csv"), &versus_csv(&results)?)?;
-    let tables = results.tables();
+    let mut tables = results.tables();
+    tables.push(worst_cases::table(&results));
+    tables.extend(elsewhere::table(beside_cuacd));
     let (title, name) = ("Time against error", "benchmark");
     session.report(Report { title, name, words, plots, tables, ..Report::default() })
 }

@@ -16,12 +16,13 @@ const TITLE: &str = "Error against time";
 
 /// One per method, in the order of [`METHODS`]: distinct for colour-blind eyes too (Okabe and Ito).
 /// Then the method's name for people.
-const COLOURS: [(RGBColor, &str); 5] = [
+const COLOURS: [(RGBColor, &str); 6] = [
     (RGBColor(213, 94, 0), "Hullwright"),
     (RGBColor(0, 114, 178), "surface (the paper's)"),
     (RGBColor(0, 158, 115), "HACD in its frame"),
     (RGBColor(204, 121, 167), "V-HACD in Parry"),
     (RGBColor(180, 140, 0), "CoACD (files)"),
+    (RGBColor(86, 180, 233), "CuACD (files, on an H100)"),
 ];
 
 /// What lies on a logarithmic axis is at least this.

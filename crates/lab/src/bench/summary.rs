@@ -20,7 +20,8 @@ pub type Variants<'a> = Vec<((&'a str, &'a str), Vec<&'a Row>)>;
 const EQUAL: f64 = 0.005;
 
 /// The order of methods in tables and plots.
-pub const METHODS: [&str; 5] = ["bounded", "surface", "hacd", "vhacd", "coacd-files"];
+pub const METHODS: [&str; 6] =
+    ["bounded", "surface", "hacd", "vhacd", "coacd-files", "cuacd-files"];
 
 fn place(method: &str) -> Option<usize> {
     METHODS.iter().position(|&other| other == method)

@@ -23,7 +23,7 @@ use crate::targets::{BOUNDS, HALVINGS, bound_of_hulls};
 use crate::terminal::{Failure, print};
 use crate::tools::data_folder::DataFolder;
 use crate::tools::meshes::{self, Mesh};
-use crate::tools::methods::bounded;
+use crate::tools::methods::{Tool, bounded};
 
 /// Measure hulls as CoACD does: the concavity of the solid within each hull, on meshes of longest
 /// side 2
@@ -132,7 +132,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
                 Err(reason) => return Err(reason.into()),
             }
         }
-        let theirs = folder.as_ref().map(|folder| folder.coacd_hulls(&mesh.name));
+        let theirs = folder.as_ref().map(|folder| folder.hulls(Tool::Coacd, &mesh.name));
         if let Some(theirs) = theirs.filter(|path| path.is_file()) {
             let theirs =
                 evaluator.measure(read_hulls(theirs)?.into_iter().map(|hull| hull.mesh))?;

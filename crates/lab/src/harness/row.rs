@@ -85,7 +85,7 @@ pub struct Row {
     pub peak_memory: Option<u64>,
     /// The paper's cost, where the method groups a surface.
     pub cost: Option<f64>,
-    /// What the bounded method was asked for, and what it has verified.
+    /// What the bounded method was asked for, and what was verified of hulls of any method.
     pub bound: Option<f64>,
     pub protrusion_verified: Option<f64>,
     pub uncovered_verified: Option<f64>,
@@ -142,8 +142,7 @@ impl Row {
 
     /// Whether the method ran with its default setting.
     pub fn is_default(&self) -> bool {
-        let is_this = |run: &Run| (run.method(), &run.setting()) == (&self.method, &self.setting);
-        Run::defaults().iter().any(is_this)
+        Run::is_default(&self.method, &self.setting)
     }
 
     /// The folder that the mesh is in.

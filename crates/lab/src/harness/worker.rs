@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use cpu_time::ProcessTime;
-use hullwright::measure::{MeasureOptions, measure};
+use hullwright::measure::{MeasureOptions, measure, verify};
 use hullwright::openings::close_openings;
 use hullwright::surface::average_cost;
 use hullwright::{
@@ -45,6 +45,8 @@ pub struct Judge {
     pub volume_samples: usize,
     /// Exact predicates, and the bound by a sampling of our own, which knows no probe.
     pub by_brute_force: bool,
+    /// Whether errors of hulls that are not of the bounded method are verified too.
+    pub verifies: bool,
     /// As a fraction of the diagonal. Protrusion counts where such a ball comes, and the bounded
     /// method fills the rest.
     pub probe_radius: Option<f64>,
@@ -56,6 +58,7 @@ pub const FULL: Judge = Judge {
     surface_samples: 50_000,
     volume_samples: 200_000,
     by_brute_force: false,
+    verifies: false,
     probe_radius: None,
 };
 
@@ -146,7 +149,7 @@ fn decompose_and_judge(work: &Work, row: &mut Row) -> Result<(), Error> {
     reset_peak_memory();
     let file = read_mesh(&work.mesh)?;
     row.triangles = Some(file.mesh.triangles.len());
-    if let Run::CoacdFiles { hulls, seconds } = run {
+    if let Run::Files { hulls, seconds, .. } = run {
         (row.seconds, row.taken_elsewhere) = (Some(*seconds), true);
         judge_by_measure(task, file.mesh.view(), &read_hulls(hulls)?, row)?;
         return tell(row);
@@ -284,6 +287,11 @@ fn judge_by_measure(
         options.flatness = parameters.max_error;
     }
     row.set_measured(&measure(mesh, hulls, &options, &Control::new())?);
+    if judge.verifies && task.bounded_parameters().is_none() {
+        let verified = verify(mesh, hulls, &options, &Control::new())?;
+        row.protrusion_verified = Some(verified.protrusion_max);
+        row.uncovered_verified = Some(verified.uncovered_max);
+    }
     Ok(())
 }
 

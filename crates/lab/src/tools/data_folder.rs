@@ -7,13 +7,13 @@ use std::path::{Path, PathBuf};
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 
-use super::methods::Run;
+use super::methods::{Run, Tool};
 
 /// A folder with any of:
 /// - `meshes`;
 /// - `paper/table1.tsv`, the paper's Table 1 with the names of its meshes;
-/// - `peers/results.tsv`, what other tools returned, with CoACD's hulls in `peers/coacd`, and the
-///   meshes of glTF scenes flattened in `peers/src`.
+/// - `peers/results.tsv` and `peers/cuacd.tsv`, what other tools returned, with their hulls in
+///   `peers/coacd` and `peers/cuacd`, and the meshes of glTF scenes flattened in `peers/src`.
 #[derive(Debug, Clone)]
 pub struct DataFolder(pub PathBuf);
 
@@ -27,6 +27,9 @@ pub struct ToolResult {
     pub hulls: usize,
     #[serde(rename = "haus")]
     pub hausdorff: Option<f64>,
+    /// The largest distance of the mesh outside all hulls.
+    #[serde(rename = "in_max")]
+    pub uncovered: Option<f64>,
     pub iou: Option<f64>,
 }
 
@@ -64,24 +67,39 @@ impl DataFolder {
         if flattened.is_file() { flattened } else { self.mesh(name) }
     }
 
-    /// The hulls of a mesh that CoACD returned.
-    pub fn coacd_hulls(&self, mesh: &str) -> PathBuf {
-        self.0.join("peers/coacd").join(object(mesh))
+    /// The hulls of a mesh that a tool returned.
+    pub fn hulls(&self, tool: Tool, mesh: &str) -> PathBuf {
+        self.0.join("peers").join(tool.name()).join(object(mesh))
     }
 
-    /// CoACD's hulls and time of each mesh that has a file of them, to judge.
-    pub fn coacd_runs(&self) -> Result<BTreeMap<String, Run>, String> {
-        let results = self.tool_results()?.into_iter();
-        let runs = results.filter(|result| result.method.starts_with("coacd")).map(|result| {
-            let hulls = self.coacd_hulls(&result.mesh);
-            (result.mesh, Run::CoacdFiles { hulls, seconds: result.seconds })
-        });
-        let is_there = |run: &Run| matches!(run, Run::CoacdFiles { hulls, .. } if hulls.is_file());
-        Ok(runs.filter(|(_, run)| is_there(run)).collect())
+    /// The hulls and times of each mesh that has a file of them, to judge.
+    pub fn file_runs(&self) -> Result<BTreeMap<String, Vec<Run>>, String> {
+        let mut runs: BTreeMap<String, Vec<Run>> = BTreeMap::new();
+        for ToolResult { mesh, method, seconds, .. } in self.tool_results()? {
+            let Some(tool) = Tool::ALL.into_iter().find(|tool| method.starts_with(tool.name()))
+            else {
+                continue;
+            };
+            let hulls = self.hulls(tool, &mesh);
+            if hulls.is_file() {
+                runs.entry(mesh).or_default().push(Run::Files { tool, hulls, seconds });
+            }
+        }
+        Ok(runs)
     }
 
+    /// What all tools returned.
     pub fn tool_results(&self) -> Result<Vec<ToolResult>, String> {
-        read(&self.0.join("peers/results.tsv"))
+        let mut all: Vec<ToolResult> = read(&self.0.join("peers/results.tsv"))?;
+        all.extend(self.beside_cuacd()?);
+        Ok(all)
+    }
+
+    /// What CuACD returned, and the default method on the same machine, in the same run; nothing
+    /// where there is no such table.
+    pub fn beside_cuacd(&self) -> Result<Vec<ToolResult>, String> {
+        let path = self.0.join("peers/cuacd.tsv");
+        if path.is_file() { read(&path) } else { Ok(Vec::new()) }
     }
 
     pub fn table1(&self) -> Result<Vec<PaperRow>, String> {
@@ -108,8 +126,10 @@ mod tests {
     #[test]
     fn hulls_are_named_after_the_path_of_the_mesh() {
         let folder = DataFolder("data".into());
-        let path = folder.coacd_hulls("gltf/a__b.glb");
-        assert_eq!(path, Path::new("data/peers/coacd/gltf_a__b.obj"));
+        for (tool, expected) in [(Tool::Coacd, "coacd"), (Tool::Cuacd, "cuacd")] {
+            let path = folder.hulls(tool, "gltf/a__b.glb");
+            assert_eq!(path, Path::new("data/peers").join(expected).join("gltf_a__b.obj"));
+        }
         assert_eq!(folder.flat_mesh("a/1.off"), Path::new("data/meshes/a/1.off"));
     }
 
@@ -124,6 +144,21 @@ mod tests {
         let rows = folder.tool_results().unwrap();
         assert_eq!((&rows[0].mesh[..], rows[0].seconds, rows[0].hulls), ("a/1.off", 9.5, 7));
         assert_eq!((rows[0].hausdorff, rows[0].iou), (Some(0.02), None));
-        assert!(folder.coacd_runs().unwrap().is_empty(), "there are no hulls");
+        assert!(folder.file_runs().unwrap().is_empty(), "there are no hulls");
+        for tool in ["coacd", "cuacd"] {
+            std::fs::create_dir(root.path().join("peers").join(tool)).unwrap();
+            std::fs::write(root.path().join("peers").join(tool).join("a_1.obj"), "").unwrap();
+        }
+        let other = table.replace("coacd-1.0", "cuacd-0.1").replace("9.5", "0.5");
+        std::fs::write(root.path().join("peers/cuacd.tsv"), other).unwrap();
+        let runs = folder.file_runs().unwrap();
+        let found: Vec<_> = runs["a/1.off"]
+            .iter()
+            .map(|run| match run {
+                Run::Files { tool, seconds, .. } => (*tool, *seconds),
+                other => panic!("{other:?}"),
+            })
+            .collect();
+        assert_eq!(found, [(Tool::Coacd, 9.5), (Tool::Cuacd, 0.5)]);
     }
 }

@@ -17,9 +17,30 @@ pub enum Run {
     Bounded { error: f64, preset: Preset },
     /// Parry's, as Rapier calls it.
     Vhacd { concavity: f64, resolution: u32 },
-    /// CoACD's hulls as another machine computed them in so many seconds, with its default
-    /// threshold.
-    CoacdFiles { hulls: PathBuf, seconds: f64 },
+    /// Another tool's hulls as another machine computed them in so many seconds, with its default
+    /// setting.
+    Files { tool: Tool, hulls: PathBuf, seconds: f64 },
+}
+
+/// A tool whose hulls come as files.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Tool {
+    /// On all threads of a processor.
+    Coacd,
+    /// On a graphics card, an H100.
+    Cuacd,
+}
+
+impl Tool {
+    pub const ALL: [Self; 2] = [Self::Coacd, Self::Cuacd];
+
+    /// What the names of its versions in tables begin with, and of the folder of its hulls.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Coacd => "coacd",
+            Self::Cuacd => "cuacd",
+        }
+    }
 }
 
 /// The version of Parry whose V-HACD runs here, from the lock file that it was built with.
@@ -71,14 +92,22 @@ impl Run {
     pub const VHACD_DEFAULT: Self = Self::Vhacd { concavity: 0.01, resolution: 64 };
 
     /// The settings that stand for their methods in tables of one row per method.
-    pub fn defaults() -> [Self; 5] {
+    pub fn defaults() -> [Self; 6] {
+        let [coacd, cuacd] =
+            Tool::ALL.map(|tool| Self::Files { tool, hulls: PathBuf::new(), seconds: 0.0 });
         [
             Self::bounded(0.02),
             Self::Surface,
             Self::Hacd { threshold: 0.05 },
             Self::VHACD_DEFAULT,
-            Self::CoacdFiles { hulls: PathBuf::new(), seconds: 0.0 },
+            coacd,
+            cuacd,
         ]
+    }
+
+    /// Whether a setting is its method's default.
+    pub fn is_default(method: &str, setting: &str) -> bool {
+        Self::defaults().iter().any(|run| run.method() == method && run.setting() == setting)
     }
 
     pub fn method(&self) -> &'static str {
@@ -87,7 +116,8 @@ impl Run {
             Self::Hacd { .. } => "hacd",
             Self::Bounded { .. } => "bounded",
             Self::Vhacd { .. } => "vhacd",
-            Self::CoacdFiles { .. } => "coacd-files",
+            Self::Files { tool: Tool::Coacd, .. } => "coacd-files",
+            Self::Files { tool: Tool::Cuacd, .. } => "cuacd-files",
         }
     }
 
@@ -100,7 +130,8 @@ impl Run {
             Self::Vhacd { concavity, resolution } => {
                 format!("concavity {concavity}, resolution {resolution}")
             }
-            Self::CoacdFiles { .. } => "threshold 0.05, from files".into(),
+            Self::Files { tool: Tool::Coacd, .. } => "threshold 0.05, from files".into(),
+            Self::Files { tool: Tool::Cuacd, .. } => "defaults, from files".into(),
         }
     }
 
@@ -112,7 +143,8 @@ impl Run {
                 format!("hullwright {ours}, algorithm {}", hullwright::ALGORITHM_VERSION)
             }
             Self::Vhacd { .. } => format!("parry3d {}", parry_version()),
-            Self::CoacdFiles { .. } => "coacd 1.0.14".into(),
+            Self::Files { tool: Tool::Coacd, .. } => "coacd 1.0.14".into(),
+            Self::Files { tool: Tool::Cuacd, .. } => "cuacd 0.1.0".into(),
         }
     }
 
