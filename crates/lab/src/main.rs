@@ -9,6 +9,7 @@ mod burst;
 mod concavity;
 mod floor;
 mod gallery;
+mod growth;
 mod harness;
 // The unused rest is for tests.
 mod fragments;
@@ -51,6 +52,7 @@ enum Command {
     Bench(bench::Arguments),
     Sweep(sweep::Arguments),
     Stability(stability::Arguments),
+    Growth(growth::Arguments),
     Targets(targets::Arguments),
     Paper(paper::Arguments),
     Reach(reach::Arguments),
@@ -64,6 +66,8 @@ enum Command {
     Assets(assets::Arguments),
     #[command(hide = true)]
     Run(harness::worker::Arguments),
+    #[command(hide = true)]
+    Grow(growth::worker::Arguments),
 }
 
 fn main() -> ExitCode {
@@ -72,6 +76,7 @@ fn main() -> ExitCode {
         Command::Bench(arguments) => bench::run(&arguments),
         Command::Sweep(arguments) => sweep::run(&arguments),
         Command::Stability(arguments) => stability::run(&arguments),
+        Command::Growth(arguments) => growth::run(&arguments),
         Command::Targets(arguments) => targets::run(&arguments),
         Command::Paper(arguments) => paper::run(&arguments),
         Command::Reach(arguments) => reach::run(&arguments),
@@ -84,6 +89,7 @@ fn main() -> ExitCode {
         Command::Pictures(arguments) => pictures::run(&arguments),
         Command::Assets(arguments) => assets::run(&arguments),
         Command::Run(arguments) => harness::worker::run(&arguments),
+        Command::Grow(arguments) => growth::worker::run(&arguments),
     };
     let (reason, code) = match result {
         Ok(()) => return ExitCode::SUCCESS,

@@ -1,6 +1,7 @@
 //! What plots look like, and lines over a parameter. SVG with text in the reader's own sans-serif,
 //! so no fonts are needed to draw it.
 
+use plotters::coord::ranged1d::{AsRangedCoord, Ranged, ValueFormatter};
 use plotters::prelude::*;
 
 use crate::statistics::range;
@@ -41,8 +42,10 @@ const COLOURS: [RGBColor; 10] = [
     RGBColor(150, 190, 60),
 ];
 
-/// The room to the right for the names of the lines, as a share of their width.
+/// The room to the right for the names of the lines, as a share of their width: those of a
+/// logarithmic axis are longer.
 const NAMES: f64 = 0.1;
+const LONG_NAMES: f64 = 0.25;
 
 /// A line and its name.
 pub struct Series {
@@ -52,19 +55,46 @@ pub struct Series {
 
 /// Lines with a dot at each point; y is logarithmic.
 pub fn lines(title: &str, x: &str, y: &str, series: &[Series]) -> Result<String, String> {
-    draw(title, x, y, series).map_err(|error| format!("a plot: {error}"))
+    let (left, right) = range(places(series));
+    let across = left..right + NAMES * (right - left);
+    draw([title, x, y], series, across, None).map_err(|error| format!("a plot: {error}"))
 }
 
-fn draw(
+/// The same, x too; nothing without points. Lines without any have no name either.
+pub fn log_lines(
     title: &str,
     x: &str,
     y: &str,
+    mut series: Vec<Series>,
+) -> Result<Option<String>, String> {
+    series.retain(|series| !series.points.is_empty());
+    if series.is_empty() {
+        return Ok(None);
+    }
+    let (left, right) = range(places(&series));
+    // A little to the left, so that rounding does not lose the name of the first power.
+    let (left, right) = (0.99 * left, right.max(10.0 * left));
+    let across = (left..right * (right / left).powf(LONG_NAMES)).log_scale();
+    let power = |x: &f64| format!("{x:.0e}");
+    let svg = draw([title, x, y], &series, across, Some(&power));
+    svg.map(Some).map_err(|error| format!("a plot: {error}"))
+}
+
+fn places(series: &[Series]) -> impl Iterator<Item = f64> {
+    series.iter().flat_map(|series| series.points.iter().map(|point| point.0))
+}
+
+fn draw<X: AsRangedCoord<Value = f64>>(
+    [title, x, y]: [&str; 3],
     series: &[Series],
-) -> Result<String, Box<dyn std::error::Error>> {
-    let points = || series.iter().flat_map(|series| series.points.iter().copied());
-    let (left, right) = range(points().map(|point| point.0));
-    let right = right + NAMES * (right - left);
-    let (_, high) = range(points().map(|point| point.1));
+    across: X,
+    format_x: Option<&dyn Fn(&f64) -> String>,
+) -> Result<String, Box<dyn std::error::Error>>
+where
+    X::CoordDescType: Ranged<ValueType = f64> + ValueFormatter<f64>,
+{
+    let heights = series.iter().flat_map(|series| series.points.iter().map(|point| point.1));
+    let (low, high) = range(heights);
     let mut svg = String::new();
     {
         let area = SVGBackend::with_string(&mut svg, SIZE).into_drawing_area();
@@ -77,10 +107,12 @@ fn draw(
             .margin(12)
             .x_label_area_size(44)
             .y_label_area_size(62)
-            .build_cartesian_2d(left..right, (1.0..1.2 * high.max(2.0)).log_scale())?;
-        chart
-            .configure_mesh()
-            .light_line_style(PAPER)
+            .build_cartesian_2d(across, (low.min(1.0)..1.2 * high.max(2.0)).log_scale())?;
+        let mut mesh = chart.configure_mesh();
+        if let Some(format_x) = format_x {
+            mesh.x_label_formatter(format_x);
+        }
+        mesh.light_line_style(PAPER)
             .bold_line_style(LINE)
             .axis_style(LINE)
             .x_desc(x)
@@ -88,6 +120,7 @@ fn draw(
             .label_style(quiet.clone())
             .axis_desc_style(quiet.clone())
             .draw()?;
+        drop(mesh);
         for (Series { name, points }, colour) in series.iter().zip(COLOURS.iter().cycle()) {
             chart
                 .draw_series(LineSeries::new(points.iter().copied(), colour.stroke_width(2)))?

@@ -58,6 +58,28 @@ pub fn torus(n: u32, m: u32) -> TriangleMesh {
     mesh
 }
 
+/// A mesh of `n` times `n` triangles for each, in the same planes.
+pub fn subdivided(mesh: &TriangleMesh, n: u32) -> TriangleMesh {
+    let mut fine = TriangleMesh::default();
+    for triangle in &mesh.triangles {
+        let first = fine.positions.len() as u32;
+        let [a, b, c] = triangle.map(|vertex| Vector::from(mesh.positions[vertex as usize]));
+        // Row i from a has i + 1 points, from the side toward b to that toward c.
+        let at = |i: u32, j: u32| first + i * (i + 1) / 2 + j;
+        for (i, j) in (0..=n).flat_map(|i| (0..=i).map(move |j| (i, j))) {
+            let sum = a * f64::from(n - i) + b * f64::from(i - j) + c * f64::from(j);
+            fine.positions.push((sum / f64::from(n)).to_array());
+            if i < n {
+                fine.triangles.push([at(i, j), at(i + 1, j), at(i + 1, j + 1)]);
+            }
+            if j < i && i < n {
+                fine.triangles.push([at(i, j), at(i + 1, j + 1), at(i, j + 1)]);
+            }
+        }
+    }
+    fine
+}
+
 /// A strip of `n` squares with half a turn, as winding that agrees wherever it can.
 pub fn mobius_strip(n: u32) -> TriangleMesh {
     let mut mesh = TriangleMesh::default();

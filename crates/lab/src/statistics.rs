@@ -41,9 +41,31 @@ pub fn geometric_mean(values: impl IntoIterator<Item = f64>) -> Option<f64> {
     (count > 0).then(|| (sum / f64::from(count)).exp())
 }
 
+/// The power of x with which y grows: the slope of the line of least squares through the
+/// logarithms. `None` of fewer than two x. Values must be positive.
+pub fn power(points: &[(f64, f64)]) -> Option<f64> {
+    let points: Vec<(f64, f64)> = points.iter().map(|(x, y)| (x.ln(), y.ln())).collect();
+    let count = points.len() as f64;
+    let x = points.iter().map(|point| point.0).sum::<f64>() / count;
+    let y = points.iter().map(|point| point.1).sum::<f64>() / count;
+    let spread: f64 = points.iter().map(|point| (point.0 - x).powi(2)).sum();
+    let common: f64 = points.iter().map(|point| (point.0 - x) * (point.1 - y)).sum();
+    (spread > 0.0).then(|| common / spread)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_power_is_found_and_scatter_around_it_cancels() {
+        let exact = [1e3, 1e4, 3e5].map(|x: f64| (x, 7.0 * x.powf(1.25)));
+        assert!((power(&exact).unwrap() - 1.25).abs() < 1e-12);
+        let scattered = [(1.0, 2.0), (10.0, 5.0), (100.0, 200.0)];
+        assert!((power(&scattered).unwrap() - 1.0).abs() < 1e-12);
+        assert_eq!(power(&[(2.0, 3.0), (2.0, 4.0)]), None);
+        assert_eq!(power(&[]), None);
+    }
 
     #[test]
     fn medians_and_means() {

@@ -124,7 +124,40 @@ fn stability_says_that_nothing_failed_on_an_l_prism() {
     place.run("stability", &["--only", "surface"]);
     let words = place.file("stability.md");
     assert!(words.contains("Failures: 0. Broken promises: 0."), "{words}");
-    assert_eq!(place.file("runs.jsonl").lines().count(), 41);
+    assert_eq!(place.file("runs.jsonl").lines().count(), 60);
+    for file in ["hulls-shape.svg", "time-shape.svg", "hulls-place.svg", "time-place.svg"] {
+        assert!(
+            words.contains(file) && place.file(file).contains("jittered") == file.contains("shape")
+        );
+    }
+}
+
+#[test]
+fn growth_names_each_kind_and_ends_at_the_most_triangles_or_a_limit() {
+    let place = Place::new();
+    // A kind that takes longer ends there, which is no failure.
+    let limits = ["--most", "1000", "--time-limit", "10"];
+    let output = lab(&[&["growth", "-o", &place.report], &limits[..]].concat());
+    assert!(output.status.success(), "{}", errors(&output));
+    let summary = place.summary();
+    let rows = |table: usize| summary["tables"][table]["rows"].as_array().unwrap();
+    assert_eq!(rows(0).len(), 7);
+    for row in rows(0) {
+        let sizes = rows(1).iter().filter(|size| size["kind"] == row["kind"]);
+        assert!(sizes.clone().count() >= 1 || row["ended at"].is_string(), "{row}");
+        for size in sizes {
+            assert!(size["triangles"].as_f64().unwrap() <= 1100.0, "{size}");
+            assert!(size["hulls"].as_f64().unwrap() >= 1.0, "{size}");
+            assert!(size["verified error over the bound"].as_f64().unwrap() <= 1.0, "{size}");
+        }
+    }
+    for file in ["growth.md", "growth-time.svg", "growth-memory.svg"] {
+        assert!(place.file(file).contains("triangles"), "{file}");
+    }
+
+    let none = lab(&["growth", "-o", &place.report, "--most", "1000", "--time-limit", "0"]);
+    assert_eq!(none.status.code(), Some(0), "{}", errors(&none));
+    assert!(place.file("growth.md").contains("1000: time-out, over 0 s"));
 }
 
 #[test]

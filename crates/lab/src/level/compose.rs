@@ -16,7 +16,7 @@ use hullwright_formats::{NamedMesh, read_mesh};
 use crate::shapes::bounds;
 use crate::terminal::Failure;
 use crate::tools::meshes;
-use crate::tools::variations::Random;
+use crate::tools::random::Random;
 
 /// Meshes of more triangles are left out, so that thousands of instances fit into memory.
 const MOST_TRIANGLES: usize = 20_000;
@@ -145,7 +145,7 @@ impl Level {
 }
 
 impl Terrain {
-    fn new(plan: Plan) -> Self {
+    pub fn new(plan: Plan) -> Self {
         let quads = ((plan.terrain_triangles as f64 / 2.0).sqrt().round() as usize).max(TILES);
         let mut ground = Ground { seed: plan.seed, side: quads as f64, plateaus: Vec::new() };
         let mut random = Random::new(plan.seed);

@@ -1,6 +1,6 @@
 //! `cargo lab level`: a level as games have them, and what simplifying does for what never moves.
 
-mod compose;
+pub mod compose;
 mod glb;
 mod steps;
 mod touch;

@@ -13,7 +13,7 @@ use super::compose::{Terrain, between};
 use super::touch::lowered;
 use crate::independent::nearest::Tree;
 use crate::statistics::{mean, median};
-use crate::tools::variations::Random;
+use crate::tools::random::Random;
 
 /// Steps in which bodies land, and most come to rest; at rest; and at rest without keeping
 /// contacts.

@@ -10,7 +10,7 @@ use rayon::prelude::*;
 
 use super::compose::{Terrain, near};
 use crate::independent::nearest::Tree;
-use crate::tools::variations::Random;
+use crate::tools::random::Random;
 
 /// The ball's radius in metres.
 pub const RADIUS: f64 = 0.25;

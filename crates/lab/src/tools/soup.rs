@@ -2,7 +2,7 @@
 
 use hullwright::TriangleMesh;
 
-use super::variations::Random;
+use super::random::Random;
 use crate::shapes::{cuboid, join, uv_sphere};
 
 /// The kinds, in turn.
@@ -23,8 +23,7 @@ pub fn soup(number: u64) -> TriangleMesh {
     match number % 8 {
         0 => {
             let count = random.integer(4, 120) as u32;
-            let points = (0..3 * count).map(|_| normal(random)).collect();
-            TriangleMesh::new(points, (0..count).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect())
+            any_tangle(random, count)
         }
         1 => {
             let count = random.integer(4, 60);
@@ -99,6 +98,14 @@ fn boxes(
     part: impl Fn(&mut Random) -> [[f64; 3]; 2],
 ) -> TriangleMesh {
     let count = random.integer(2, most);
+    some_boxes(random, count, part)
+}
+
+fn some_boxes(
+    random: &mut Random,
+    count: usize,
+    part: impl Fn(&mut Random) -> [[f64; 3]; 2],
+) -> TriangleMesh {
     let parts: Vec<TriangleMesh> = (0..count)
         .map(|_| {
             let [low, size] = part(random);
@@ -106,6 +113,23 @@ fn boxes(
         })
         .collect();
     join(&parts)
+}
+
+/// So many boxes in the unit cube, of up to half the room that each has: most stand alone.
+pub fn scattered_boxes(seed: u64, count: usize) -> TriangleMesh {
+    let size = 0.5 / (count as f64).cbrt();
+    let random = &mut Random::new(seed);
+    some_boxes(random, count, |random| [point(random), point(random).map(|x| x * size)])
+}
+
+/// So many triangles whose corners are drawn from one normal distribution.
+pub fn tangle(seed: u64, count: u32) -> TriangleMesh {
+    any_tangle(&mut Random::new(seed), count)
+}
+
+fn any_tangle(random: &mut Random, count: u32) -> TriangleMesh {
+    let points = (0..3 * count).map(|_| normal(random)).collect();
+    TriangleMesh::new(points, (0..count).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect())
 }
 
 fn moved(mut mesh: TriangleMesh, place: impl Fn(f64) -> f64) -> TriangleMesh {

@@ -1,12 +1,13 @@
 //! The same mesh in other words: turned, scaled, moved, jittered, shuffled; and damaged.
 
-use std::collections::HashMap;
-
 use glam::{DMat3, DQuat};
 use hullwright::TriangleMesh;
 use serde::{Deserialize, Serialize};
 
-use crate::shapes::{Vector, bounds, join, middle};
+use super::damage::{decimate, keep, shuffle, split};
+use super::disturb::{jitter, jitter_welded, slivers, walls};
+use super::random::Random;
+use crate::shapes::{Vector, bounds, join, middle, turn};
 
 /// What is done to a mesh.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -20,8 +21,16 @@ pub enum Variation {
     Scale(f64),
     /// Moved along the diagonal of space by this multiple of the mesh's diagonal.
     Offset(f64),
-    /// Each coordinate moved by up to this share of the diagonal, at random.
+    /// The same, and then rounded to single precision.
+    OffsetSingle(f64),
+    /// Mirrored, with triangles as they are: inside out.
+    Mirror,
+    /// Mirrored, with triangles turned to match.
+    MirrorTurned,
+    /// Each coordinate of each vertex moved by up to this share of the diagonal, at random.
     Jitter(f64),
+    /// The same, but vertices at the same place move together.
+    JitterWelded(f64),
     /// Triangles and vertices in another order, by its number.
     Shuffle(u32),
     /// All triangles turned around.
@@ -30,6 +39,10 @@ pub enum Variation {
     FlipHalf,
     /// Every triangle twice.
     Double,
+    /// Each triangle in three, one of them a needle whose height is this share of its longest edge.
+    Slivers(f64),
+    /// With a copy of the surface this share of the diagonal outside.
+    Walls(f64),
     /// A tenth of the triangles, at random, left out.
     Lose,
     /// Vertices in the same cube of a lattice become one: its step is this share of the diagonal.
@@ -44,12 +57,14 @@ pub enum Variation {
     Join,
 }
 
-/// Rotations of each mesh.
-pub const ROTATIONS: u32 = 24;
-const SCALES: [f64; 6] = [1e-9, 1e-6, 1e-3, 1e3, 1e6, 1e9];
-const OFFSETS: [f64; 3] = [1.0, 100.0, 1e4];
-const JITTERS: [f64; 2] = [1e-7, 1e-5];
-const SHUFFLES: u32 = 2;
+const ROTATIONS: u32 = 8;
+const SCALES: [f64; 8] = [1e-12, 1e-9, 1e-6, 1e-3, 1e3, 1e6, 1e9, 1e12];
+const OFFSETS: [f64; 4] = [1.0, 1e2, 1e4, 1e6];
+/// At the last, rounding to single precision moves coordinates by up to 2.4e-4 of the diagonal.
+const OFFSETS_SINGLE: [f64; 5] = [1.0, 1e1, 1e2, 1e3, 1e4];
+const NOISES: [f64; 9] = [1e-9, 1e-8, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1];
+const ASPECTS: [f64; 3] = [1e-9, 1e-6, 1e-3];
+const WALLS: [f64; 8] = [1e-9, 1e-8, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2];
 
 impl Variation {
     /// All of them, the mesh as it is first.
@@ -58,9 +73,14 @@ impl Variation {
         all.extend((0..ROTATIONS).map(Self::Rotation));
         all.extend(SCALES.map(Self::Scale));
         all.extend(OFFSETS.map(Self::Offset));
-        all.extend(JITTERS.map(Self::Jitter));
-        all.extend((0..SHUFFLES).map(Self::Shuffle));
-        all.extend([Self::FlipAll, Self::FlipHalf, Self::Double]);
+        all.extend(OFFSETS_SINGLE.map(Self::OffsetSingle));
+        all.extend([Self::MirrorTurned, Self::Mirror, Self::FlipAll, Self::FlipHalf]);
+        all.extend([Self::Shuffle(0), Self::Double]);
+        all.extend(ASPECTS.map(Self::Slivers));
+        all.extend(WALLS.map(Self::Walls));
+        all.extend(NOISES.map(Self::JitterWelded));
+        // Of vertices that part by a tenth of the diagonal nothing is left to compare, at great cost.
+        all.extend(NOISES.into_iter().filter(|&size| size < 0.1).map(Self::Jitter));
         all
     }
 
@@ -87,12 +107,20 @@ impl Variation {
             Self::None => String::new(),
             Self::Rotation(number) => format!("rotated {number}"),
             Self::Scale(factor) => format!("scaled by {factor:e}"),
-            Self::Offset(distance) => format!("moved by {distance} diagonals"),
+            Self::Offset(distance) => format!("moved by {distance:e} diagonals"),
+            Self::OffsetSingle(distance) => {
+                format!("moved by {distance:e} diagonals, in single precision")
+            }
+            Self::Mirror => "mirrored, inside out".into(),
+            Self::MirrorTurned => "mirrored".into(),
             Self::Jitter(size) => format!("jittered by {size:e} diagonals"),
+            Self::JitterWelded(size) => format!("jittered, welded, by {size:e} diagonals"),
             Self::Shuffle(number) => format!("shuffled {number}"),
             Self::FlipAll => "all triangles flipped".into(),
             Self::FlipHalf => "half of the triangles flipped".into(),
             Self::Double => "every triangle twice".into(),
+            Self::Slivers(aspect) => format!("slivers of aspect {aspect:e}"),
+            Self::Walls(distance) => format!("walls {distance:e} diagonals apart"),
             Self::Lose => "a tenth of the triangles lost".into(),
             Self::Merge(step) => format!("vertices merged within {step} diagonals"),
             Self::Split(share) => format!("triangles split, smaller by {share:e}"),
@@ -112,8 +140,22 @@ impl Variation {
         }
     }
 
-    /// The mesh as given to the method, and the sound mesh in the same place that its hulls are
-    /// measured against.
+    /// What has a size, and the size: a line of a plot.
+    pub fn size(self) -> Option<(&'static str, f64)> {
+        match self {
+            Self::Scale(factor) => Some(("scaled", factor)),
+            Self::Offset(distance) => Some(("moved", distance)),
+            Self::OffsetSingle(distance) => Some(("moved, single", distance)),
+            Self::Jitter(size) => Some(("jittered", size)),
+            Self::JitterWelded(size) => Some(("jittered, welded", size)),
+            Self::Slivers(aspect) => Some(("slivers", aspect)),
+            Self::Walls(distance) => Some(("walls", distance)),
+            _ => None,
+        }
+    }
+
+    /// The mesh as given to the method, and the mesh that its hulls are measured against: the one
+    /// that was given, or the simplest of the same surface.
     pub fn apply(self, mesh: &TriangleMesh) -> (TriangleMesh, TriangleMesh) {
         let (low, high) = bounds(&mesh.positions);
         let diagonal = low.distance(high);
@@ -121,6 +163,7 @@ impl Variation {
             let positions = mesh.positions.iter().map(|&point| place(point)).collect();
             TriangleMesh { positions, ..mesh.clone() }
         };
+        let offset = |distance: f64| distance * diagonal / 3.0_f64.sqrt();
         let mut given = mesh.clone();
         match self {
             Self::None => {}
@@ -129,18 +172,16 @@ impl Variation {
                 given = moved(&|point| (rotation * Vector::from(point)).to_array());
             }
             Self::Scale(factor) => given = moved(&|point| point.map(|x| x * factor)),
-            Self::Offset(distance) => {
-                let offset = distance * diagonal / 3.0_f64.sqrt();
-                given = moved(&|point| point.map(|x| x + offset));
+            Self::Offset(distance) => given = moved(&|point| point.map(|x| x + offset(distance))),
+            Self::OffsetSingle(distance) => {
+                given = moved(&|point| point.map(|x| f64::from((x + offset(distance)) as f32)));
             }
-            Self::Jitter(size) => {
-                let mut random = Random(1);
-                for x in given.positions.as_flattened_mut() {
-                    *x += diagonal * size * (2.0 * random.unit() - 1.0);
-                }
-            }
+            Self::Mirror => given = moved(&|[x, y, z]| [-x, y, z]),
+            Self::MirrorTurned => given = turn(moved(&|[x, y, z]| [-x, y, z])),
+            Self::Jitter(size) => jitter(&mut given, diagonal * size),
+            Self::JitterWelded(size) => jitter_welded(&mut given, diagonal * size),
             Self::Shuffle(number) => shuffle(&mut given, &mut Random(1 + u64::from(number))),
-            Self::FlipAll => given.triangles.iter_mut().for_each(|t| t.swap(1, 2)),
+            Self::FlipAll => given = turn(given),
             Self::FlipHalf => {
                 let mut random = Random(1);
                 for triangle in &mut given.triangles {
@@ -153,6 +194,8 @@ impl Variation {
                 given.triangles.extend_from_slice(&mesh.triangles);
                 given.sidedness.extend_from_slice(&mesh.sidedness);
             }
+            Self::Slivers(aspect) => given = slivers(mesh, aspect),
+            Self::Walls(distance) => given = walls(mesh, diagonal * distance),
             Self::Lose => keep(&mut given, &mut |random, _| random.unit() > 0.1),
             Self::Merge(step) => {
                 let step = step * diagonal;
@@ -173,40 +216,9 @@ impl Variation {
                 given = join(&[mesh.clone(), moved(&|point| turn(point).to_array())]);
             }
         }
-        let is_in_place = matches!(
-            self,
-            Self::None | Self::Shuffle(_) | Self::FlipAll | Self::FlipHalf | Self::Double
-        );
-        let sound = if is_in_place { mesh.clone() } else { given.clone() };
+        let is_same = matches!(self, Self::None | Self::Shuffle(_) | Self::Double);
+        let sound = if is_same { mesh.clone() } else { given.clone() };
         (given, sound)
-    }
-}
-
-/// SplitMix64 (Steele, Lea, Flood 2014): the same numbers everywhere and always.
-pub struct Random(u64);
-
-impl Random {
-    /// Numbers of seeds side by side have nothing in common.
-    pub fn new(seed: u64) -> Self {
-        Self(Self(seed).next())
-    }
-
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-
-    /// At least `low`, and less than `end`.
-    pub fn integer(&mut self, low: usize, end: usize) -> usize {
-        low + (self.next() % (end - low) as u64) as usize
-    }
-
-    /// From 0 to 1.
-    pub fn unit(&mut self) -> f64 {
-        (self.next() >> 11) as f64 / (1_u64 << 53) as f64
     }
 }
 
@@ -220,83 +232,10 @@ fn rotation(number: u32) -> DMat3 {
     DMat3::from_quat(DQuat::from_xyzw(x, y, z, w))
 }
 
-fn shuffle(mesh: &mut TriangleMesh, random: &mut Random) {
-    let count = mesh.positions.len();
-    let order = permutation(count, random);
-    let mut places = vec![0_u32; count];
-    for (new, &old) in (0..).zip(&order) {
-        places[old] = new;
-    }
-    mesh.positions = order.iter().map(|&old| mesh.positions[old]).collect();
-    // Each triangle also starts at another corner.
-    let renumbered = |triangle: [u32; 3], random: &mut Random| {
-        let mut triangle =
-            triangle.map(|vertex| places.get(vertex as usize).copied().unwrap_or(vertex));
-        triangle.rotate_left((random.next() % 3) as usize);
-        triangle
-    };
-    let order = permutation(mesh.triangles.len(), random);
-    mesh.triangles = order.iter().map(|&old| renumbered(mesh.triangles[old], random)).collect();
-    mesh.sidedness = order.iter().filter_map(|&old| mesh.sidedness.get(old).copied()).collect();
-}
-
-/// Fisher and Yates.
-fn permutation(count: usize, random: &mut Random) -> Vec<usize> {
-    let mut order: Vec<usize> = (0..count).collect();
-    for last in (1..count).rev() {
-        order.swap(last, (random.next() % (last as u64 + 1)) as usize);
-    }
-    order
-}
-
-/// Keeps the triangles with these corners, or at random; without two, all of them.
-fn keep(mesh: &mut TriangleMesh, keeps: &mut dyn FnMut(&mut Random, [[f64; 3]; 3]) -> bool) {
-    let random = &mut Random(1);
-    let positions = &mesh.positions;
-    let kept: Vec<bool> = mesh
-        .triangles
-        .iter()
-        .map(|triangle| keeps(random, triangle.map(|vertex| positions[vertex as usize])))
-        .collect();
-    let (mut triangles, mut sides) = (kept.iter(), kept.iter());
-    mesh.triangles.retain(|_| triangles.next() == Some(&true));
-    mesh.sidedness.retain(|_| sides.next() == Some(&true));
-}
-
-fn split(mesh: &TriangleMesh, share: f64) -> TriangleMesh {
-    let positions = mesh.triangles.iter().flat_map(|triangle| {
-        let corners = triangle.map(|vertex| Vector::from(mesh.positions[vertex as usize]));
-        let centre = corners.iter().sum::<Vector>() / 3.0;
-        corners.map(|corner| (corner + share * (centre - corner)).to_array())
-    });
-    let triangles = (0..mesh.triangles.len() as u32).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]);
-    TriangleMesh { positions: positions.collect(), triangles: triangles.collect(), ..mesh.clone() }
-}
-
-/// Collapses an edge of each triangle in a random order, unless one of its ends was collapsed
-/// before. Vertices at the same place move together.
-fn decimate(mesh: &mut TriangleMesh) {
-    let mut places: HashMap<[u64; 3], Vec<usize>> = HashMap::new();
-    for (vertex, point) in mesh.positions.iter().enumerate() {
-        places.entry(point.map(f64::to_bits)).or_default().push(vertex);
-    }
-    let mut is_used = vec![false; mesh.positions.len()];
-    let sources = mesh.positions.clone();
-    for index in permutation(mesh.triangles.len(), &mut Random(1)) {
-        let ends = [0, 1].map(|k| sources[mesh.triangles[index][k] as usize]);
-        let [from, to] = ends.map(|end| places[&end.map(f64::to_bits)].as_slice());
-        if !is_used[from[0]] && !is_used[to[0]] {
-            (is_used[from[0]], is_used[to[0]]) = (true, true);
-            from.iter().for_each(|&vertex| mesh.positions[vertex] = ends[1]);
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::shapes::{uv_sphere, volume};
-    use crate::tools::kinds::*;
+    use crate::shapes::volume;
 
     fn tetrahedron() -> TriangleMesh {
         TriangleMesh::new(
@@ -306,61 +245,62 @@ mod tests {
     }
 
     #[test]
-    fn there_are_24_rotations_and_all_that_was_asked_for() {
+    fn each_variation_has_a_name_of_its_own() {
         let all = Variation::all();
-        assert_eq!(all.iter().filter(|v| matches!(v, Variation::Rotation(_))).count(), 24);
-        assert_eq!(all.len(), 41);
+        let names: std::collections::BTreeSet<String> = all.iter().map(|v| v.name()).collect();
+        assert_eq!(names.len(), all.len());
+        assert_eq!(all.iter().filter(|v| matches!(v, Variation::Rotation(_))).count(), 8);
     }
 
     #[test]
-    fn rotating_moving_and_shuffling_keep_the_volume() {
+    fn what_does_not_change_the_shape_keeps_the_volume() {
         let mesh = tetrahedron();
         for variation in Variation::all() {
             let (given, sound) = variation.apply(&mesh);
+            let tolerance = match variation {
+                // Half a unit in the last place of single precision, as a share of the mesh.
+                Variation::OffsetSingle(distance) => distance.max(1.0) * 1e-6,
+                Variation::Offset(_) => 1e-9,
+                Variation::Jitter(size) | Variation::JitterWelded(size) => 100.0 * size,
+                Variation::Walls(_) => continue,
+                _ => 1e-12,
+            };
             let expected = match variation {
                 Variation::Scale(factor) => factor.powi(3) / 6.0,
+                Variation::Mirror | Variation::FlipAll => -1.0 / 6.0,
+                Variation::FlipHalf => continue,
                 _ => 1.0 / 6.0,
             };
-            let tolerance = if matches!(variation, Variation::Offset(_)) { 1e-3 } else { 1e-4 };
-            assert!((volume(&sound) / expected - 1.0).abs() < tolerance, "{variation:?}");
-            match variation {
-                Variation::FlipAll => assert!(volume(&given) < 0.0),
-                Variation::Double => assert_eq!(given.triangles.len(), 8),
-                _ => assert_eq!(given.triangles.len(), 4),
-            }
+            // Far from the origin the parts of a volume cancel.
+            let near = |mut mesh: TriangleMesh| {
+                let first = Vector::from(mesh.positions[0]);
+                mesh.positions.iter_mut().for_each(|p| *p = (Vector::from(*p) - first).to_array());
+                volume(&mesh)
+            };
+            let found = near(sound);
+            assert!((found / expected - 1.0).abs() < tolerance, "{variation:?}: {found}");
+            let triangles = match variation {
+                Variation::Double => 8,
+                Variation::Slivers(_) => 12,
+                _ => 4,
+            };
+            assert_eq!(given.triangles.len(), triangles, "{variation:?}");
         }
     }
 
     #[test]
-    fn a_damaged_mesh_is_of_the_kind_that_its_damage_makes() {
-        // Welded, closed, and of so many triangles that chance hits some.
-        let mesh = uv_sphere(24, 1.0);
-        assert_eq!(kinds(&mesh), [""; 0]);
-        for damage in Variation::damages() {
-            let (given, _) = damage.apply(&mesh);
-            let found = kinds(&given);
-            let expected: &[&str] = match damage {
-                Variation::Lose => &[NOT_SOLID, OPEN],
-                Variation::Cut => &[NOT_SOLID, OPEN],
-                Variation::FlipHalf => &[NOT_SOLID, NOT_ORIENTED],
-                Variation::Double => &[NOT_SOLID, SELF_INTERSECTING, NON_MANIFOLD],
-                Variation::Merge(_) | Variation::Decimate => &[NOT_SOLID, DEGENERATE],
-                Variation::Split(_) => &[NOT_SOLID, OPEN, SEVERAL_COMPONENTS],
-                Variation::Join => &[NOT_SOLID, SELF_INTERSECTING],
-                _ => &[],
-            };
-            assert!(expected.iter().all(|kind| found.contains(kind)), "{damage:?}: {found:?}");
-            let may_stay_solid = matches!(damage, Variation::Jitter(_) | Variation::Scale(_));
-            assert!(may_stay_solid || found[0] == NOT_SOLID, "{damage:?}");
-            assert!(!given.triangles.is_empty() && given != mesh, "{damage:?}");
-        }
-        let (cut, _) = Variation::Cut.apply(&mesh);
-        let share = cut.triangles.len() as f64 / mesh.triangles.len() as f64;
-        assert!((0.3..0.7).contains(&share), "{share}");
-        // Of a mesh whose triangles share no vertex as much is left.
-        let (loose, _) = Variation::Split(0.0).apply(&mesh);
-        let [loose, welded] = [loose, mesh].map(|mesh| kinds(&Variation::Decimate.apply(&mesh).0));
-        assert_eq!(loose, welded);
+    fn a_mirrored_mesh_is_turned_to_match_or_inside_out() {
+        let mesh = tetrahedron();
+        assert!(volume(&Variation::MirrorTurned.apply(&mesh).0) > 0.0);
+        assert!(volume(&Variation::Mirror.apply(&mesh).0) < 0.0);
+    }
+
+    #[test]
+    fn moved_in_single_precision_is_what_a_file_of_floats_holds() {
+        let (given, sound) = Variation::OffsetSingle(1e4).apply(&tetrahedron());
+        assert!(given.positions.as_flattened().iter().all(|&x| x == f64::from(x as f32)));
+        assert!(given.positions[0][0] > 8000.0);
+        assert_eq!(given, sound);
     }
 
     #[test]
