@@ -4,8 +4,12 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
+use hullwright::hulls_format::VerifiedErrors;
 use hullwright::inspect::inspect;
-use hullwright::{Control, Error, Hull, MergeTree, Method, SimplifyParameters};
+use hullwright::measure::{MeasureOptions, verify};
+use hullwright::{
+    Control, Error, Hull, MergeTree, Method, Parameters, SimplifyParameters, least_hulls,
+};
 use hullwright_cli::render::{Layout, Panel, Picture, render_with};
 use hullwright_cli::terminal::{Failure, count, print, time};
 use hullwright_cli::viewer::{HullSet, Page, hulls_of};
@@ -63,6 +67,10 @@ pub struct Arguments {
     #[arg(long, requires = "simplified")]
     keep_hidden: bool,
 
+    /// Say how few hulls are possible with the errors of those shown, as a lower bound: a second
+    #[arg(long, conflicts_with = "simplified")]
+    least: bool,
+
     /// No slider: hulls are not joined, which takes long for many hundreds of them
     #[arg(long)]
     no_merge: bool,
@@ -92,7 +100,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let control = bar.control().with_parallel(arguments.threads.is_parallel());
     let is_picture = is_picture(&output);
     let merges = !arguments.no_merge && !is_picture;
-    let work = Work { file: &file, chosen: &chosen, merges, control: &control };
+    let least = arguments.least;
+    let work = Work { file: &file, chosen: &chosen, merges, least, control: &control };
     let drawn = pool.install(|| {
         let sets = work.sets(&arguments.compare, others)?;
         let drawn = match is_picture {
@@ -106,7 +115,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     bar.finish();
     let (drawn, sets) = drawn.map_err(|error| format!("{}: {error}", arguments.mesh.display()))?;
     waiting("writing", || write_file(&output, &drawn))?;
-    let hulls = |set: &Shown| format!("{}: {}", set.name, count(set.hulls.len(), "hull", "hulls"));
+    let hulls = |set: &Shown| {
+        let least = set.least.map_or_else(String::new, |least| format!(", at least {least}"));
+        format!("{}: {}{least}", set.name, count(set.hulls.len(), "hull", "hulls"))
+    };
     let summary: Vec<String> = sets.iter().map(hulls).collect();
     print(&format!("wrote {}: {}", output.display(), summary.join(", ")))?;
     for set in &sets {
@@ -190,6 +202,10 @@ struct Shown {
     hulls: Vec<Hull>,
     tree: Option<MergeTree>,
     fact: Option<(&'static str, String)>,
+    /// Both errors, where the method verifies them.
+    errors: Option<VerifiedErrors>,
+    /// How few hulls are possible.
+    least: Option<usize>,
     exceeded_bound: Option<String>,
 }
 
@@ -203,7 +219,27 @@ impl Shown {
         }
         let left_out = named.len() - hulls.len();
         let fact = (left_out > 0).then(|| ("left out as unusable:", left_out.to_string()));
-        Ok(Self { name: file_name(path), hulls, tree: None, fact, exceeded_bound: None })
+        let name = file_name(path);
+        let (tree, errors, least, exceeded_bound) = (None, None, None, None);
+        Ok(Self { name, hulls, tree, fact, errors, least, exceeded_bound })
+    }
+
+    /// How few hulls are possible with errors like these, which are verified if they are not.
+    fn least(
+        &self,
+        file: &MeshFile,
+        solid: &Parameters,
+        control: &Control,
+    ) -> Result<usize, Error> {
+        let errors = match self.errors {
+            Some(errors) => errors,
+            None => {
+                let found = verify(file, &self.hulls, &MeasureOptions::from(solid), control)?;
+                let [protrusion, uncovered] = [found.protrusion_max, found.uncovered_max];
+                VerifiedErrors::new(protrusion * found.diagonal, uncovered * found.diagonal)
+            }
+        };
+        Ok(least_hulls(file, errors, solid, control)?.hulls)
     }
 }
 
@@ -225,13 +261,15 @@ struct Work<'a> {
     chosen: &'a Chosen,
     /// Whether hulls are joined down to one.
     merges: bool,
+    /// Whether the least possible number of hulls is looked for.
+    least: bool,
     control: &'a Control,
 }
 
 impl<'a> Work<'a> {
     /// The hulls of the chosen method, of others, and of files.
     fn sets(&self, others: &[Method], files: Vec<Shown>) -> Result<Vec<Shown>, Error> {
-        let &Self { file, chosen, merges, control } = self;
+        let &Self { file, chosen, merges, least, control } = self;
         let solid = chosen.solid();
         let main = std::iter::once(chosen.method.clone());
         let mut sets = Vec::new();
@@ -249,9 +287,20 @@ impl<'a> Work<'a> {
             };
             let fact = Some(("time", time(seconds)));
             let exceeded_bound = result.exceeded_bound();
-            sets.push(Shown { name, hulls: result.hulls, tree, fact, exceeded_bound });
+            let errors = result.report.bounded().map(|report| {
+                // None of the method's results under this bound may have fewer.
+                let protrusion = report.protrusion_max.max(report.bound);
+                VerifiedErrors::new(protrusion, report.uncovered_max)
+            });
+            let hulls = result.hulls;
+            sets.push(Shown { name, hulls, tree, fact, errors, least: None, exceeded_bound });
         }
         sets.extend(files);
+        if least {
+            for set in &mut sets {
+                set.least = Some(set.least(file, &solid, control)?);
+            }
+        }
         for set in sets.iter_mut().filter(|set| merges && set.tree.is_none()) {
             set.tree = Some(MergeTree::from_hulls(file, &set.hulls, &solid, control)?);
         }
@@ -261,13 +310,16 @@ impl<'a> Work<'a> {
     fn page(&self, title: String, sets: &[Shown]) -> Result<Page<'a>, Error> {
         let page = Page::new(title, self.file, &self.chosen.solid(), self.control)?;
         let mut page = page.objects(&self.file.objects);
-        for Shown { name, hulls, tree, fact, .. } in sets {
+        for Shown { name, hulls, tree, fact, least, .. } in sets {
             let mut set = HullSet::new(name, hulls);
             if let Some(tree) = tree {
                 set = set.tree(tree);
             }
             if let Some((name, value)) = fact {
                 set = set.fact(*name, value);
+            }
+            if let Some(least) = least {
+                set = set.fact("possible", format!("at least {}", count(*least, "hull", "hulls")));
             }
             page.add(set, self.control)?;
         }

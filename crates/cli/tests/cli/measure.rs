@@ -172,3 +172,22 @@ fn surfaces_that_can_not_be_measured_are_named_in_one_line() {
     let warning = place.fail(&SURFACE, 0);
     assert!(warning.starts_with("warning: ") && warning.contains("units or places"), "{warning}");
 }
+
+#[test]
+fn verified_errors_are_upper_bounds_for_whole_faces_on_request() {
+    let place = place(&cuboid([1.0; 3], 0), &two_hulls());
+    let verify = ["measure", "mesh.obj", "hulls.obj", "--verify"];
+    let shown = place.succeed(&verify);
+    let line = shown.lines().last().unwrap();
+    // Half of a box whose diagonal is the root of three: 28.87 %, and at most 1 % more.
+    let protrusion = line.strip_prefix("verified: protrusion at most ").expect(line);
+    let protrusion: f64 = protrusion.split(' ').next().unwrap().parse().unwrap();
+    assert!((28.86..29.2).contains(&protrusion), "{line}");
+    assert!(line.contains(", uncovered at most ") && line.contains(", resolved to "), "{line}");
+    let json = place.json(&verify);
+    let verified = |name: &str| json["verified"][name].as_f64().unwrap();
+    assert!((0.5..0.506).contains(&verified("protrusion_max")), "{json}");
+    assert!(verified("uncovered_max") <= 0.03 * verified("protrusion_max"), "{json}");
+    assert!(place.json(&MEASURE)["verified"].is_null());
+    place.fail(&["measure", "mesh.obj", "hulls.obj", "--verify", "--surface"], 2);
+}

@@ -163,3 +163,20 @@ fn what_has_no_effect_on_a_simplified_mesh_is_refused() {
     let error = place.fail_in_one_line(&["view", "empty.obj", "--simplified"], 1);
     assert!(error.contains("empty.obj"), "{error}");
 }
+
+#[test]
+fn how_few_hulls_are_possible_is_said_for_each_set_on_request() {
+    let place = Place::new(&[]);
+    let table = asset("table.glb");
+    place.succeed(&["decompose", &table, "-o", "hulls.obj"]);
+    let options = ["-o", "t.html", "--hulls", "hulls.obj", "--least"];
+    let written = place.succeed(&[&["view", &table], &options[..]].concat());
+    let expected = "bounded, 2%: 5 hulls, at least 5, hulls.obj: 5 hulls, at least 5";
+    assert!(written.contains(expected), "{written}");
+    let (_, page) = page(&place, &table, &["--least"]);
+    let facts = page["sets"][0]["facts"].as_array().unwrap();
+    assert!(
+        facts.iter().any(|fact| fact[0] == "possible" && fact[1] == "at least 5 hulls"),
+        "{facts:?}"
+    );
+}

@@ -3,6 +3,8 @@
 //! Points that are close together are compared with a hull as a bucket, since most planes of a hull
 //! have none of them in front.
 
+use std::cmp::Ordering;
+use std::collections::BinaryHeap;
 use std::sync::OnceLock;
 
 use crate::bvh::Bvh;
@@ -10,7 +12,7 @@ use crate::bvh::closest_point::closest_point_on_triangle;
 use crate::control::Control;
 use crate::error::Error;
 use crate::geometry::plane::Plane;
-use crate::geometry::vector::{Vector, bounds, larger, smaller};
+use crate::geometry::vector::{Vector, bounds, centre, larger, smaller};
 use crate::hull::ConvexHull;
 use crate::mesh::TriangleMesh;
 
@@ -328,25 +330,109 @@ fn outside_all(
     known: f64,
     divisions: u32,
 ) -> f64 {
-    let least = hulls.iter().fold(known, |least: f64, hull| {
+    let least = outside_one(&corners, hulls, known);
+    if least <= worst || divisions == 0 {
+        return least;
+    }
+    quarters(corners).into_iter().fold(0.0, |most: f64, part| {
+        larger(most, outside_all(part, hulls, larger(worst, most), least, divisions - 1))
+    })
+}
+
+/// No point of a part is farther than this outside the hull that holds most of it. `known` bounds
+/// that already.
+fn outside_one(corners: &[Vector], hulls: &[HullDistance<'_>], known: f64) -> f64 {
+    hulls.iter().fold(known, |least: f64, hull| {
         // Most hulls are elsewhere: without this, scans take up to a fifth more instructions.
-        if hull.is_far_from(&corners, least) {
+        if hull.is_far_from(corners, least) {
             return least;
         }
         let outside = corners.iter().map(|&corner| hull.distance(corner, least));
         smaller(least, outside.fold(0.0, larger))
-    });
-    if least <= worst || divisions == 0 {
-        return least;
-    }
-    let [a, b, c] = corners;
+    })
+}
+
+fn quarters([a, b, c]: [Vector; 3]) -> [[Vector; 3]; 4] {
     let [ab, bc, ca] = [(a, b), (b, c), (c, a)].map(|(p, q)| (p + q) * 0.5);
-    [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]].into_iter().fold(
-        0.0,
-        |most: f64, part| {
-            larger(most, outside_all(part, hulls, larger(worst, most), least, divisions - 1))
-        },
-    )
+    [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]
+}
+
+/// The same for a whole surface and hulls of any tool, whose owners are not known: cracks between
+/// hulls run across large triangles. The part with the largest bound is divided first, until that
+/// is hardly above the distance of some point, or there are too many parts.
+///
+/// # Errors
+/// [`Error::Cancelled`].
+pub(crate) fn uncovered_by_any(
+    surface: &TriangleMesh,
+    hulls: &[HullDistance<'_>],
+    tolerance: f64,
+    control: &Control,
+) -> Result<f64, Error> {
+    let mut parts = BinaryHeap::new();
+    let push = |parts: &mut BinaryHeap<Open>, corners: [Vector; 3], known: f64| {
+        let most = outside_one(&corners, hulls, known);
+        parts.push(Open { most, corners });
+    };
+    for (index, &triangle) in surface.triangles.iter().enumerate() {
+        if index.is_multiple_of(TRIANGLES_PER_CHECK) {
+            control.check()?;
+        }
+        let corners = triangle.map(|vertex| surface.points()[vertex as usize]);
+        if outside_one(&corners, hulls, f64::INFINITY) <= tolerance {
+            continue;
+        }
+        for piece in outside_each(corners, hulls) {
+            for (&b, &c) in piece.iter().skip(1).zip(piece.iter().skip(2)) {
+                push(&mut parts, [piece[0], b, c], f64::INFINITY);
+            }
+        }
+    }
+    let mut least = tolerance;
+    for count in 0..MAX_PARTS_OF_ANY {
+        if count.is_multiple_of(TRIANGLES_PER_CHECK) {
+            control.check()?;
+        }
+        let Some(Open { most, corners }) = parts.pop() else { return Ok(least) };
+        least = larger(least, outside_one(&[centre(corners)], hulls, most));
+        if most <= (1.0 + RESOLUTION_OF_ANY) * least {
+            return Ok(larger(most, least));
+        }
+        quarters(corners).into_iter().for_each(|part| push(&mut parts, part, most));
+    }
+    Ok(parts.peek().map_or(least, |open| larger(open.most, least)))
+}
+
+/// What is found for hulls of any tool may be above the true distance by this share of it.
+const RESOLUTION_OF_ANY: f64 = 0.01;
+
+/// Parts that are divided for hulls of any tool, at most: about a second.
+const MAX_PARTS_OF_ANY: usize = 100_000;
+
+/// A part of a triangle, and what no point of it is farther outside all hulls than.
+struct Open {
+    most: f64,
+    corners: [Vector; 3],
+}
+
+impl PartialEq for Open {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other) == Ordering::Equal
+    }
+}
+
+impl Eq for Open {}
+
+impl PartialOrd for Open {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl Ord for Open {
+    fn cmp(&self, other: &Self) -> Ordering {
+        self.most.total_cmp(&other.most)
+    }
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! Verification of hulls that are finished, whoever made them: both errors as upper bounds.
 
 use super::settings::Settings;
-use super::uncovered::{HullDistance, uncovered_distance};
+use super::uncovered::{HullDistance, uncovered_by_any};
 use crate::control::Control;
 use crate::error::Error;
 use crate::hull::ConvexHull;
@@ -57,11 +57,8 @@ impl Verifier {
         control: &Control,
     ) -> Result<f64, Error> {
         let distances: Vec<HullDistance<'_>> = hulls.map(HullDistance::new).collect();
-        let surface = &self.exact.mesh;
-        let all: Vec<(u32, u32)> =
-            (0..surface.triangles.len() as u32).map(|triangle| (triangle, 0)).collect();
         let tolerance = self.settings.bound.tolerance();
-        let uncovered = uncovered_distance(surface, &all, &distances, tolerance, control)?;
+        let uncovered = uncovered_by_any(&self.exact.mesh, &distances, tolerance, control)?;
         Ok(uncovered + self.exact.most_moved())
     }
 }

@@ -24,10 +24,8 @@ pub struct VerifiedDistances {
     pub protrusion_max: f64,
     /// No point of the mesh's surface is farther than this outside every hull.
     pub uncovered_max: f64,
-    /// Smaller distances are not resolved: the larger of the two is above the true one by about
-    /// this at most, and the other may stand for anything below this. Of a crack between hulls that
-    /// is narrower than 1/256 of the triangle that it crosses, the uncovered distance may be up to
-    /// twice the true one.
+    /// The larger of the two is above the true one by about this at most. The other is not resolved
+    /// below 3 % of the larger one.
     pub resolution: f64,
     /// Diagonal of the bounding box of the vertices that triangles use, in the mesh's units.
     pub diagonal: f64,
@@ -37,8 +35,8 @@ pub struct VerifiedDistances {
 /// A smaller one is resolved again, for itself.
 const RESOLVED: f64 = 0.8;
 
-/// Distances are resolved to this share of the bound.
-const RESOLUTION: f64 = 0.04;
+/// Distances are resolved to this share of themselves, and to the second one just below the bound.
+const RESOLUTIONS: [f64; 2] = [0.04, 0.01];
 
 /// Distances below this fraction of the diagonal are what single precision leaves of a hull.
 const LEAST: f64 = 1e-5;
@@ -70,7 +68,7 @@ const LEAST: f64 = 1e-5;
 /// hull.positions[3][2] = 1.1;
 /// let found = verify(&mesh, &[hull], &MeasureOptions::default(), &Control::new())?;
 /// let in_units = found.protrusion_max * found.diagonal;
-/// assert!((0.1..0.105).contains(&in_units));
+/// assert!((0.1..0.102).contains(&in_units));
 /// # Ok(())
 /// # }
 /// ```
@@ -108,27 +106,38 @@ fn bound(
     let whole = || solid.iter().map(|(hull, _)| hull);
     let all: Vec<&ConvexHull> = whole().chain(flat.iter().map(|(hull, _)| hull)).collect();
     let mut bound = options.flatness.of_diagonal(normalization.diagonal) / normalization.diagonal;
+    let (mut protrusion, mut uncovered) = (f64::INFINITY, f64::INFINITY);
+    let mut is_coarse = true;
     loop {
         bound = bound.max(LEAST);
         let verifier = Verifier::new(&prepared, &options.resolving(bound), control)?;
         let protrusions = parallel::map(&all, |hull| verifier.protrusion(hull, control));
-        let mut protrusion = 0.0_f64;
+        let mut farthest = 0.0_f64;
         for found in protrusions {
-            protrusion = protrusion.max(found?);
+            farthest = farthest.max(found?);
         }
-        let uncovered = verifier.uncovered(whole(), control)?;
+        protrusion = protrusion.min(farthest);
+        uncovered = uncovered.min(verifier.uncovered(whole(), control)?);
         let largest = protrusion.max(uncovered);
-        if largest >= RESOLVED * bound || bound <= LEAST {
+        let [coarse, fine] = RESOLUTIONS;
+        if largest < RESOLVED * bound && bound > LEAST {
+            bound = largest;
+        } else if is_coarse && largest > LEAST {
+            // What is certain to be reached, and a little more: does it hold as a bound?
+            is_coarse = false;
+            bound = largest * (1.0 + 0.6 * fine) / (1.0 + coarse);
+        } else {
+            let is_fine = largest <= bound * (1.0 + fine);
+            let resolution = if is_fine { fine } else { coarse } * largest.max(bound);
             let diagonal = Survey::new(mesh).normalization.diagonal;
             let scale = normalization.diagonal / diagonal;
             return Ok(VerifiedDistances {
                 protrusion_max: protrusion * scale,
                 uncovered_max: uncovered * scale,
-                resolution: RESOLUTION * largest.max(bound) * scale,
+                resolution: resolution * scale,
                 diagonal,
             });
         }
-        bound = largest;
     }
 }
 

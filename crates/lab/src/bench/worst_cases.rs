@@ -25,7 +25,7 @@ pub fn table(results: &Results<'_>) -> Table {
         "largest, verified ",
     ];
     let note = "Sampled are 50,000 points on hulls and as many on the mesh, verified are upper bounds for whole \
-                faces and triangles, at most 4 % too large. Sampling misses the worst case where the upper bound \
+                faces and triangles, at most 1 to 4 % too large. Sampling misses the worst case where the upper bound \
                 is farther above what was sampled than that. `measure` samples the boundary of all hulls, \
                 verification judges each hull whole. Fractions of the diagonal.";
     let mut table = Table::new("True worst cases", note, &header);

@@ -159,6 +159,15 @@ impl Row {
         self.peak_memory.map(|bytes| bytes as f64 / f64::from(1 << 20))
     }
 
+    /// Hulls that are open, not convex, without volume or beyond single precision.
+    pub fn unsound_hulls(&self) -> usize {
+        let Self {
+            open_hulls, non_convex_hulls, hulls_without_volume, hulls_beyond_single, ..
+        } = self;
+        let counts = [open_hulls, non_convex_hulls, hulls_without_volume, hulls_beyond_single];
+        counts.into_iter().flatten().sum()
+    }
+
     /// What is wrong with the hulls or the promise, in words; empty where nothing is.
     pub fn faults(&self) -> String {
         let counts = [

@@ -2,6 +2,7 @@
 //! of them.
 
 mod changes;
+mod corpora;
 mod summary;
 
 use std::path::{Path, PathBuf};
@@ -25,8 +26,21 @@ use crate::tools::variations::Variation;
 /// goes on where it was.
 #[derive(clap::Args)]
 pub struct Arguments {
-    #[arg(required = true, value_name = "DIR", help = meshes::folders_help())]
+    #[arg(
+        required_unless_present = "corpora",
+        value_name = "DIR",
+        help = meshes::folders_help()
+    )]
     folders: Vec<PathBuf>,
+
+    /// A folder with checkouts of public sets, such as Thingi10K: nothing of them is damaged. Where
+    /// none is there, the message has the commands that bring them
+    #[arg(long, value_name = "DIR")]
+    corpora: Option<PathBuf>,
+
+    /// How many meshes of each public set, evenly spread
+    #[arg(long, value_name = "N", default_value_t = 2000)]
+    most: usize,
 
     /// The folder that the report goes to
     #[arg(short, long, value_name = "REPORT")]
@@ -91,8 +105,15 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mut session = Session::open(&arguments.output, limits)?;
     (session.only_reports, session.jobs) = (arguments.report_only, arguments.jobs.into());
     let run = Run::bounded(0.02);
-    let meshes = meshes::find(&arguments.folders)?;
-    let mut rows = session.rows(&meshes, |_| vec![Task::new(run.clone(), JUDGE)])?;
+    let meshes = match arguments.folders.is_empty() {
+        true => Vec::new(),
+        false => meshes::find(&arguments.folders)?,
+    };
+    let task = |_: &Mesh| vec![Task::new(run.clone(), JUDGE)];
+    let mut rows = session.rows(&meshes, task)?;
+    let corpora = arguments.corpora.as_deref().map(|dir| corpora::find(dir, arguments.most));
+    let (corpora, of_corpora) = corpora.transpose()?.unwrap_or_default();
+    rows.extend(session.rows(&of_corpora, task)?);
     if !arguments.undamaged {
         let damaged = damaged(&meshes, &rows);
         let task = |variation| Task { run: run.clone(), variation, judge: QUICK_JUDGE };
@@ -106,6 +127,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     write(&session.output.join("sweep.csv"), &row::to_csv(&rows)?)?;
     let seconds = arguments.seconds;
     let mut tables = summary::tables(&rows, seconds);
+    if !corpora.is_empty() {
+        tables.insert(0, corpora::table(&corpora, &rows));
+    }
     tables.extend(before.map(|before| changes::table(&before, &rows, seconds)));
     let samples = |of: fn(&Row) -> Option<usize>| rows.iter().filter_map(of).sum::<usize>();
     let words = vec![

@@ -101,10 +101,7 @@ fn outcomes((title, first, note): (&str, &str, &str), groups: Groups<'_>, second
             status(Status::Crash),
             status(Status::TimeOut) + status(Status::OutOfMemory),
             sum(|row| row.hulls),
-            sum(|row| row.open_hulls)
-                + sum(|row| row.non_convex_hulls)
-                + sum(|row| row.hulls_without_volume)
-                + sum(|row| row.hulls_beyond_single),
+            rows.iter().map(|row| row.unsound_hulls()).sum(),
             rows.iter().filter(|row| !row.broken.is_empty()).count(),
         ];
         let times: Vec<f64> = rows.iter().filter_map(|row| row.processor_seconds).collect();
