@@ -1,6 +1,6 @@
-//! The README's animation: a mesh bursts into its hulls, closes again and falls as one body.
+//! The README's animation: hulls that are apart close and fall as one body; a mesh bursts into them.
 //!
-//! It is an animated PNG of at most 256 colours, in which each frame holds only what changes. The
+//! The first frame, which is all that a still shows, has the hulls apart. It is an animated PNG of at most 256 colours, in which each frame holds only what changes. The
 //! same machine writes the same bytes.
 
 use std::collections::HashMap;
@@ -32,16 +32,18 @@ const STEPS: usize = 6;
 /// Angles from which it is seen, in degrees.
 const VIEW: (f64, f64) = (24.0, 17.0);
 
-/// Seconds: the mesh stands, its hulls stand, they move apart, stay, and close again.
+/// Seconds: hulls stay apart, close, and rest after the fall.
+const STAYS: f64 = 0.8;
+const CLOSES: f64 = 0.6;
+const RESTS: f64 = 1.5;
+
+/// Longest fall, in seconds.
+const FALLS: f64 = 4.0;
+
+/// Seconds: the mesh stands, its hulls stand, and they move apart.
 const STANDS: f64 = 0.7;
 const HULLS: f64 = 0.35;
 const BURSTS: f64 = 0.7;
-const STAYS: f64 = 0.45;
-const CLOSES: f64 = 0.6;
-
-/// Longest fall, in seconds, and how long the last picture stays.
-const FALLS: f64 = 4.0;
-const ENDS: u16 = 2;
 
 /// How far hulls move apart, as a share of their way from the middle.
 const APART: f64 = 0.55;
@@ -67,8 +69,6 @@ pub fn draw(output: &Path, mesh: &Path) -> Result<(), Failure> {
     let mesh = standing(read_mesh(mesh)?.mesh);
     let hulls = decompose(&mesh, &Parameters::default(), &Control::new())?.hulls;
 
-    let mut poses = vec![Pose::IDENTITY; pictures(STANDS)];
-    let mut frames = vec![vec![(mesh.clone(), CLAY)]; pictures(STANDS)];
     let coloured = |apart: f64| -> Vec<(TriangleMesh, Colour)> {
         let parts = hulls.iter().enumerate().map(|(index, hull)| {
             let way = middle(&hull.shape.points) * apart;
@@ -78,24 +78,28 @@ pub fn draw(output: &Path, mesh: &Path) -> Result<(), Failure> {
         });
         parts.collect()
     };
-    for (apart, height, tip) in burst() {
+    let raised = |height: f64, tip: f64| {
         let [x, z] = TIPS.map(|angle| (angle * tip) as f32);
         let turn = Rotation::from_rotation_x(x) * Rotation::from_rotation_z(z);
-        poses.push(Pose::from_parts(Vector::new(0.0, (RISES * height) as f32, 0.0), turn));
-        frames.push(coloured(apart));
-    }
-    let start = poses.last().copied().unwrap_or(Pose::IDENTITY);
+        Pose::from_parts(Vector::new(0.0, (RISES * height) as f32, 0.0), turn)
+    };
+    let mut moments = vec![(coloured(APART), raised(1.0, 0.0)); pictures(STAYS)];
+    let closing = eased(CLOSES);
+    moments.extend(closing.map(|part| (coloured(APART * (1.0 - part)), raised(1.0, part))));
+    let start = raised(1.0, 1.0);
     let properties = mass_properties(&mesh, &hulls, DENSITY)?;
     let collider = hullwright_rapier::collider(&hulls, &properties, [1.0; 3]);
     let collider = collider.map_err(|error| error.to_string())?;
     let floor = bounds(&mesh.positions).0.y;
-    for pose in fall(collider, start, floor as f32) {
-        poses.push(pose);
-        frames.push(coloured(0.0));
-    }
-    let pictures = frames
+    let poses = fall(collider, start, floor as f32);
+    moments.extend(poses.into_iter().map(|pose| (coloured(0.0), pose)));
+    moments
+        .extend(moments.last().map(|last| vec![last.clone(); pictures(RESTS)]).unwrap_or_default());
+    moments.extend(vec![(vec![(mesh.clone(), CLAY)], Pose::IDENTITY); pictures(STANDS)]);
+    moments.extend(vec![(coloured(0.0), Pose::IDENTITY); pictures(HULLS)]);
+    moments.extend(eased(BURSTS).map(|part| (coloured(APART * part), raised(part, 0.0))));
+    let pictures = moments
         .into_iter()
-        .zip(poses)
         .map(|(parts, pose)| picture(parts, &pose, floor))
         .collect::<Result<Vec<_>, _>>()?;
     write(output, &pictures)?;
@@ -113,18 +117,10 @@ fn standing(mut mesh: TriangleMesh) -> TriangleMesh {
     mesh
 }
 
-/// For each picture of the burst how far hulls are apart, how high they are and how far tipped.
-fn burst() -> Vec<(f64, f64, f64)> {
-    let mut moments = vec![(0.0, 0.0, 0.0); pictures(HULLS)];
-    let ease = |share: f64| 0.5 - 0.5 * (PI * share).cos();
-    let shares = |seconds: f64| {
-        let count = pictures(seconds);
-        (1..=count).map(move |index| index as f64 / count as f64)
-    };
-    moments.extend(shares(BURSTS).map(|share| (APART * ease(share), ease(share), 0.0)));
-    moments.extend(vec![(APART, 1.0, 0.0); pictures(STAYS)]);
-    moments.extend(shares(CLOSES).map(|share| (APART * (1.0 - ease(share)), 1.0, ease(share))));
-    moments
+/// For each picture of so many seconds a share of the way, slow at both ends.
+fn eased(seconds: f64) -> impl Iterator<Item = f64> {
+    let count = pictures(seconds);
+    (1..=count).map(move |index| 0.5 - 0.5 * (PI * index as f64 / count as f64).cos())
 }
 
 fn pictures(seconds: f64) -> usize {
@@ -201,9 +197,6 @@ fn write(path: &Path, pictures: &[Picture]) -> Result<(), Box<dyn std::error::Er
             Some((last, count)) if *last == picture => *count += 1,
             _ => frames.push((picture, 1)),
         }
-    }
-    if let Some((_, count)) = frames.last_mut() {
-        *count += ENDS * RATE;
     }
     let (width, height) = SIZE;
     let mut encoder =

@@ -64,7 +64,7 @@ enum Picture {
         #[arg(required = true)]
         meshes: Vec<PathBuf>,
     },
-    /// The README's animation: a mesh bursts into its hulls, closes again and falls as one body
+    /// The README's animation: hulls close and fall as one body, and the mesh bursts into them
     Burst {
         #[arg(default_value = "docs/pictures/burst.png")]
         output: PathBuf,

@@ -4,9 +4,11 @@ use super::settings::Settings;
 use super::uncovered::{HullDistance, uncovered_by_any};
 use crate::control::Control;
 use crate::error::Error;
+use crate::geometry::vector::centre;
 use crate::hull::ConvexHull;
 use crate::mesh::simplification::Simplification;
 use crate::mesh::{PreparedMesh, TriangleMesh};
+use crate::parallel;
 use crate::parameters::Parameters;
 use crate::solid::{Solid, protrusion};
 
@@ -45,6 +47,23 @@ impl Verifier {
     /// [`Error::Cancelled`].
     pub(crate) fn protrusion(&self, hull: &ConvexHull, control: &Control) -> Result<f64, Error> {
         protrusion(hull, &self.solid, self.settings.bound.verified(), f64::INFINITY, control)
+    }
+
+    /// Some point of a hull is as far from the solid: the greatest of its corners and the middles
+    /// of its faces.
+    ///
+    /// # Errors
+    /// [`Error::Cancelled`].
+    pub(crate) fn reached(&self, hulls: &[ConvexHull], control: &Control) -> Result<f64, Error> {
+        let found = parallel::map(hulls, |hull| {
+            control.check()?;
+            let middles = hull.faces().map(centre);
+            let places = hull.points().iter().copied().chain(middles);
+            Ok(places.fold(0.0_f64, |most, place| {
+                self.solid.outside(place, most).map_or(most, |found| most.max(found.lower))
+            }))
+        });
+        found.into_iter().try_fold(0.0, |most: f64, found| Ok(most.max(found?)))
     }
 
     /// No point of the mesh is farther than this outside every hull.

@@ -174,6 +174,10 @@ const NEEDLE: f64 = 1e-20;
 /// As a multiple of the mesh's diagonal. A hull farther away has lost its shape to rounding.
 const FARTHEST: f64 = 1e9;
 
+/// Why the first hull is refused where none can be judged.
+pub(super) const NONE_USABLE: &str = "like all others, it has no triangles, an index out of range, or a \
+                           coordinate that is not finite";
+
 /// A hull in normalised coordinates.
 pub(super) struct MeasuredHull {
     pub check: HullCheck,

@@ -1,8 +1,8 @@
 //! Upper bounds on the errors of anybody's hulls: whole faces and whole triangles are judged, not
 //! samples of them.
 
-use super::MeasureOptions;
-use super::hulls::MeasuredHull;
+use super::hulls::{MeasuredHull, NONE_USABLE};
+use super::options::MeasureOptions;
 use crate::bounded::verifier::Verifier;
 use crate::control::Control;
 use crate::error::Error;
@@ -24,27 +24,38 @@ pub struct VerifiedDistances {
     pub protrusion_max: f64,
     /// No point of the mesh's surface is farther than this outside every hull.
     pub uncovered_max: f64,
-    /// The larger of the two is above the true one by about this at most. The other is not resolved
-    /// below 3 % of the larger one.
+    /// The true protrusion is at most this much smaller, as a rule 1 %. So is the true uncovered
+    /// distance where it is the larger of the two; it is not resolved below 3 % of the protrusion.
     pub resolution: f64,
     /// Diagonal of the bounding box of the vertices that triangles use, in the mesh's units.
     pub diagonal: f64,
 }
 
-/// A distance that is at least this share of the bound that it was resolved for is well resolved.
-/// A smaller one is resolved again, for itself.
-const RESOLVED: f64 = 0.8;
+/// Distances are known to this share of themselves.
+const RESOLUTION: f64 = 0.01;
 
-/// Distances are resolved to this share of themselves, and to the second one just below the bound.
-const RESOLUTIONS: [f64; 2] = [0.04, 0.01];
+/// Distances below this fraction of the diagonal are not resolved.
+const LEAST: f64 = 1e-4;
 
-/// Distances below this fraction of the diagonal are what single precision leaves of a hull.
-const LEAST: f64 = 1e-5;
+/// Bounds that are tried one after the other, at most.
+const TRIALS: usize = 16;
+
+/// How much larger the next bound is where the one before says nothing but that it is exceeded.
+const STEP: f64 = 1.3;
+
+/// What is found beyond a bound is this multiple of a distance that is reached, as a rule.
+const NEARLY: f64 = 1.04;
+
+/// Where a bound is exceeded, by however little, this share of it is reached.
+const SURELY: f64 = 0.995;
+
+/// What a hull grows by that is flat, as a fraction of its extent: it is a hull like others then.
+const THICKNESS: f64 = 1e-6;
 
 /// Bounds both errors of hulls from above, hulls of any tool, each taken as the convex hull of its
 /// points. What counts as solid, surface and hull is as in [`measure`](super::measure()), and of
 /// `options` the numbers of points, the convexity tolerance and the seed have no effect. Hulls
-/// that can't be judged are left out. One that is flat protrudes, and covers nothing.
+/// that can't be judged are left out.
 ///
 /// Where [`measure`](super::measure()) counts the boundary of all hulls, each hull counts whole
 /// here, also within another.
@@ -98,58 +109,60 @@ fn bound(
         return Err(Error::NoHulls);
     }
     let normalization = &prepared.normalization;
-    let usable = hulls.iter().filter_map(|hull| shape(hull, normalization));
-    let (flat, solid): (Vec<_>, Vec<_>) = usable.partition(|(_, is_flat)| *is_flat);
-    if flat.is_empty() && solid.is_empty() {
-        return Err(Error::UnusableHull { hull: 0, reason: super::NONE_USABLE });
+    let hulls: Vec<ConvexHull> =
+        hulls.iter().filter_map(|hull| shape(hull, normalization)).collect();
+    if hulls.is_empty() {
+        return Err(Error::UnusableHull { hull: 0, reason: NONE_USABLE });
     }
-    let whole = || solid.iter().map(|(hull, _)| hull);
-    let all: Vec<&ConvexHull> = whole().chain(flat.iter().map(|(hull, _)| hull)).collect();
-    let mut bound = options.flatness.of_diagonal(normalization.diagonal) / normalization.diagonal;
-    let (mut protrusion, mut uncovered) = (f64::INFINITY, f64::INFINITY);
-    let mut is_coarse = true;
-    loop {
-        bound = bound.max(LEAST);
-        let verifier = Verifier::new(&prepared, &options.resolving(bound), control)?;
-        let protrusions = parallel::map(&all, |hull| verifier.protrusion(hull, control));
-        let mut farthest = 0.0_f64;
-        for found in protrusions {
-            farthest = farthest.max(found?);
+    let verifier = |bound: f64| Verifier::new(&prepared, &options.resolving(bound), control);
+    let farthest = |verifier: &Verifier| {
+        let found = parallel::map(&hulls, |hull| verifier.protrusion(hull, control));
+        found.into_iter().try_fold(0.0_f64, |farthest, found| Ok::<_, Error>(farthest.max(found?)))
+    };
+    let flatness = options.flatness.of_diagonal(normalization.diagonal) / normalization.diagonal;
+    let reached = verifier(flatness)?.reached(&hulls, control)?;
+    // Whether a bound is kept is decided soon, how far it is exceeded may take long: so a bound just
+    // above what some point reaches is tried, and larger ones until one is kept.
+    let (mut protrusion, mut least) = (f64::INFINITY, reached);
+    let mut bound = (1.0 + RESOLUTION) * reached.max(LEAST);
+    let uncovered = verifier(bound)?.uncovered(hulls.iter(), control)?;
+    for _ in 0..TRIALS {
+        let found = farthest(&verifier(bound)?)?;
+        protrusion = protrusion.min(found);
+        if found <= bound {
+            break;
         }
-        protrusion = protrusion.min(farthest);
-        uncovered = uncovered.min(verifier.uncovered(whole(), control)?);
-        let largest = protrusion.max(uncovered);
-        let [coarse, fine] = RESOLUTIONS;
-        if largest < RESOLVED * bound && bound > LEAST {
-            bound = largest;
-        } else if is_coarse && largest > LEAST {
-            // What is certain to be reached, and a little more: does it hold as a bound?
-            is_coarse = false;
-            bound = largest * (1.0 + 0.6 * fine) / (1.0 + coarse);
-        } else {
-            let is_fine = largest <= bound * (1.0 + fine);
-            let resolution = if is_fine { fine } else { coarse } * largest.max(bound);
-            let diagonal = Survey::new(mesh).normalization.diagonal;
-            let scale = normalization.diagonal / diagonal;
-            return Ok(VerifiedDistances {
-                protrusion_max: protrusion * scale,
-                uncovered_max: uncovered * scale,
-                resolution: resolution * scale,
-                diagonal,
-            });
-        }
+        let is_near = found < STEP * bound;
+        least = if is_near { least.max(SURELY * bound) } else { least };
+        bound = if is_near { (1.0 + RESOLUTION) * bound.max(found / NEARLY) } else { STEP * bound };
     }
+    let diagonal = Survey::new(mesh).normalization.diagonal;
+    let scale = normalization.diagonal / diagonal;
+    Ok(VerifiedDistances {
+        protrusion_max: protrusion * scale,
+        uncovered_max: uncovered * scale,
+        resolution: (protrusion - least).max(RESOLUTION * uncovered) * scale,
+        diagonal,
+    })
 }
 
-/// The convex hull of a hull's points, or its own triangles where that is flat, and whether it is.
-/// `None` if it can't be judged.
-fn shape(hull: &MeshView<'_>, normalization: &Normalization) -> Option<(ConvexHull, bool)> {
+/// The convex hull of a hull's points; of a flat one with some thickness. `None` if it can't be
+/// judged.
+fn shape(hull: &MeshView<'_>, normalization: &Normalization) -> Option<ConvexHull> {
     let judged = MeasuredHull::new(hull, normalization)?;
-    let points: Vec<[f64; 3]> = judged.points.iter().map(|&point| point.into()).collect();
-    match judged.check.is_flat {
-        true => Some((ConvexHull { points, triangles: judged.triangles }, true)),
-        false => Some((convex_hull(&points).ok()?, false)),
+    let mut points: Vec<[f64; 3]> = judged.points.iter().map(|&point| point.into()).collect();
+    if judged.check.is_flat {
+        let size = THICKNESS * judged.min.distance(judged.max).max(f64::MIN_POSITIVE);
+        let around = |point: [f64; 3]| {
+            (0..6).map(move |side: usize| {
+                let mut beside = point;
+                beside[side / 2] += if side.is_multiple_of(2) { size } else { -size };
+                beside
+            })
+        };
+        points = points.into_iter().flat_map(around).collect();
     }
+    convex_hull(&points).ok()
 }
 
 impl MeasureOptions {

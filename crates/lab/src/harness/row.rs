@@ -89,6 +89,8 @@ pub struct Row {
     pub bound: Option<f64>,
     pub protrusion_verified: Option<f64>,
     pub uncovered_verified: Option<f64>,
+    /// How much smaller the true protrusion may be, where hulls of other methods were verified.
+    pub verified_resolution: Option<f64>,
     /// What sampling by brute force finds.
     pub protrusion_sampled: Option<f64>,
     pub uncovered_sampled: Option<f64>,

@@ -291,6 +291,7 @@ fn judge_by_measure(
         let verified = verify(mesh, hulls, &options, &Control::new())?;
         row.protrusion_verified = Some(verified.protrusion_max);
         row.uncovered_verified = Some(verified.uncovered_max);
+        row.verified_resolution = Some(verified.resolution);
     }
     Ok(())
 }
