@@ -369,22 +369,26 @@ pub(crate) fn uncovered_by_any(
     tolerance: f64,
     control: &Control,
 ) -> Result<f64, Error> {
-    let mut parts = BinaryHeap::new();
-    let push = |parts: &mut BinaryHeap<Open>, corners: [Vector; 3], known: f64| {
-        let most = outside_one(&corners, hulls, known);
-        parts.push(Open { most, corners });
+    let open = |corners: [Vector; 3], known: f64| Open {
+        most: outside_one(&corners, hulls, known),
+        corners,
     };
+    let is_covered = |corners: &[Vector; 3], hull: &HullDistance<'_>| {
+        !hull.is_far_from(corners, tolerance)
+            && corners.iter().all(|&corner| hull.distance(corner, tolerance) <= tolerance)
+    };
+    let mut parts = BinaryHeap::new();
     for (index, &triangle) in surface.triangles.iter().enumerate() {
         if index.is_multiple_of(TRIANGLES_PER_CHECK) {
             control.check()?;
         }
         let corners = triangle.map(|vertex| surface.points()[vertex as usize]);
-        if outside_one(&corners, hulls, f64::INFINITY) <= tolerance {
+        if hulls.iter().any(|hull| is_covered(&corners, hull)) {
             continue;
         }
         for piece in outside_each(corners, hulls) {
             for (&b, &c) in piece.iter().skip(1).zip(piece.iter().skip(2)) {
-                push(&mut parts, [piece[0], b, c], f64::INFINITY);
+                parts.push(open([piece[0], b, c], f64::INFINITY));
             }
         }
     }
@@ -398,7 +402,7 @@ pub(crate) fn uncovered_by_any(
         if most <= (1.0 + RESOLUTION_OF_ANY) * least {
             return Ok(larger(most, least));
         }
-        quarters(corners).into_iter().for_each(|part| push(&mut parts, part, most));
+        parts.extend(quarters(corners).map(|part| open(part, most)));
     }
     Ok(parts.peek().map_or(least, |open| larger(open.most, least)))
 }

@@ -24,8 +24,9 @@ pub struct VerifiedDistances {
     pub protrusion_max: f64,
     /// No point of the mesh's surface is farther than this outside every hull.
     pub uncovered_max: f64,
-    /// The true protrusion is at most this much smaller, as a rule 1 %. So is the true uncovered
-    /// distance where it is the larger of the two; it is not resolved below 3 % of the protrusion.
+    /// The true protrusion is at most this much smaller, as a rule 1 to 5 %. So is the true
+    /// uncovered distance where it is the larger of the two; it is not resolved below 3 % of the
+    /// protrusion.
     pub resolution: f64,
     /// Diagonal of the bounding box of the vertices that triangles use, in the mesh's units.
     pub diagonal: f64,
@@ -125,7 +126,7 @@ fn bound(
     // above what some point reaches is tried, and larger ones until one is kept.
     let (mut protrusion, mut least) = (f64::INFINITY, reached);
     let mut bound = (1.0 + RESOLUTION) * reached.max(LEAST);
-    let uncovered = verifier(bound)?.uncovered(hulls.iter(), control)?;
+    let uncovered = verifier(bound)?.uncovered_finely(&hulls, control)?;
     for _ in 0..TRIALS {
         let found = farthest(&verifier(bound)?)?;
         protrusion = protrusion.min(found);
