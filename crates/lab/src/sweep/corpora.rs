@@ -96,7 +96,8 @@ pub fn table(corpora: &[Corpus], rows: &[Row]) -> Table {
         "slowest",
         "most MB",
     ];
-    let note = "Public repositories, as they are at a commit: of large ones every so many meshes.";
+    let note = "Public repositories, as they are at a commit: of large ones every so many meshes. Reasons by their \
+                sort, `file` where it is damaged or of another kind.";
     let mut table = Table::new("Named corpora", note, &header);
     for Corpus { name, repository, found, .. } in corpora {
         let prefix = format!("{name}/");
@@ -127,13 +128,15 @@ pub fn table(corpora: &[Corpus], rows: &[Row]) -> Table {
     table
 }
 
-/// How many were refused, and each reason with how often it was given.
+/// How many were refused, and each sort of reason with how often it was given: what is before the
+/// first colon. The table of refusals has them whole.
 fn reasons(rows: &[&Row], refused: usize) -> String {
     let mut reasons: Vec<(&str, usize)> = Vec::new();
     for row in rows.iter().filter(|row| row.status == Status::Error) {
-        match reasons.iter_mut().find(|(reason, _)| *reason == row.reason) {
+        let sort = row.reason.split(':').next().unwrap_or_default();
+        match reasons.iter_mut().find(|(reason, _)| *reason == sort) {
             Some((_, count)) => *count += 1,
-            None => reasons.push((&row.reason, 1)),
+            None => reasons.push((sort, 1)),
         }
     }
     reasons.sort_by_key(|&(_, count)| std::cmp::Reverse(count));
@@ -194,8 +197,8 @@ mod tests {
         };
         let rows = [
             row("a/x/1.obj", Status::Done, ""),
-            row("a/2.obj", Status::Error, "empty"),
-            row("a/3.obj", Status::Error, "empty"),
+            row("a/2.obj", Status::Error, "empty: 1 vertex"),
+            row("a/3.obj", Status::Error, "empty: 2 vertices"),
             row("a/4.obj", Status::Crash, "signal"),
             row("ab/1.obj", Status::Done, ""),
         ];
