@@ -67,7 +67,7 @@ pub struct Arguments {
     #[arg(long, requires = "simplified")]
     keep_hidden: bool,
 
-    /// Say how few hulls are possible with the errors of those shown, as a lower bound: a second
+    /// Say how few hulls are possible with the errors of those shown, as a lower bound: a second or two each
     #[arg(long, conflicts_with = "simplified")]
     least: bool,
 
@@ -116,7 +116,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let (drawn, sets) = drawn.map_err(|error| format!("{}: {error}", arguments.mesh.display()))?;
     waiting("writing", || write_file(&output, &drawn))?;
     let hulls = |set: &Shown| {
-        let least = set.least.map_or_else(String::new, |least| format!(", at least {least}"));
+        let least = set
+            .least
+            .map_or_else(String::new, |least| format!(" ({least} at least for its errors)"));
         format!("{}: {}{least}", set.name, count(set.hulls.len(), "hull", "hulls"))
     };
     let summary: Vec<String> = sets.iter().map(hulls).collect();
@@ -319,7 +321,9 @@ impl<'a> Work<'a> {
                 set = set.fact(*name, value);
             }
             if let Some(least) = least {
-                set = set.fact("possible", format!("at least {}", count(*least, "hull", "hulls")));
+                // It is about all hulls of the set, wherever the slider stands.
+                let needed = format!("at least {}", count(*least, "hull", "hulls"));
+                set = set.fact("needed for all hulls' errors", needed);
             }
             page.add(set, self.control)?;
         }

@@ -303,8 +303,8 @@ impl Display for VerifiedDistances {
             [self.protrusion_max, self.uncovered_max, self.resolution].map(relative);
         write!(
             formatter,
-            "verified: protrusion at most {protrusion}, uncovered at most {uncovered}, resolved to \
-             {resolution}"
+            "verified: protrusion at most {protrusion} (too large by {resolution} at most), \
+             uncovered at most {uncovered}"
         )
     }
 }
@@ -312,7 +312,7 @@ impl Display for VerifiedDistances {
 impl Display for Distances {
     fn fmt(&self, formatter: &mut Formatter<'_>) -> fmt::Result {
         let [mean, p99, max] = [self.mean, self.p99, self.max].map(relative);
-        write!(formatter, "mean {mean}, 99 % below {p99}, at most {max}")
+        write!(formatter, "mean {mean}, 99 % below {p99}, largest {max}")
     }
 }
 

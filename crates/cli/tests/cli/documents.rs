@@ -57,7 +57,7 @@ fn the_documented_keys_are_those_that_are_printed() {
             ][..],
         ),
         ("curve", &[&["curve", &solid]]),
-        ("measure", &[&["measure", &solid, "hulls.obj"]]),
+        ("measure", &[&["measure", &solid, "hulls.obj", "--verify"]]),
         ("measure --surface", &[&["measure", &solid, &open, "--surface"]]),
         ("simplify", &[&["simplify", &solid]]),
     ] {
