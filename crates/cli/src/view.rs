@@ -67,7 +67,8 @@ pub struct Arguments {
     #[arg(long, requires = "simplified")]
     keep_hidden: bool,
 
-    /// Say how few hulls are possible with the errors of those shown, as a lower bound: a second or two each
+    /// Say how few hulls are possible with the errors of those shown, as a lower bound: a second or
+    /// two each
     #[arg(long, conflicts_with = "simplified")]
     least: bool,
 
@@ -235,11 +236,7 @@ impl Shown {
     ) -> Result<usize, Error> {
         let errors = match self.errors {
             Some(errors) => errors,
-            None => {
-                let found = verify(file, &self.hulls, &MeasureOptions::from(solid), control)?;
-                let [protrusion, uncovered] = [found.protrusion_max, found.uncovered_max];
-                VerifiedErrors::new(protrusion * found.diagonal, uncovered * found.diagonal)
-            }
+            None => verify(file, &self.hulls, &MeasureOptions::from(solid), control)?.in_units(),
         };
         Ok(least_hulls(file, errors, solid, control)?.hulls)
     }

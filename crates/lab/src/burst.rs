@@ -1,7 +1,9 @@
-//! The README's animation: hulls that are apart close and fall as one body; a mesh bursts into them.
+//! The README's animation: hulls that are apart close and fall as one body; then the mesh bursts
+//! into them.
 //!
-//! The first frame, which is all that a still shows, has the hulls apart. It is an animated PNG of at most 256 colours, in which each frame holds only what changes. The
-//! same machine writes the same bytes.
+//! The first frame, which is all that a still shows, has the hulls apart. It is an animated PNG of
+//! at most 256 colours, in which each frame holds only what changes. The same machine writes the
+//! same bytes.
 
 use std::collections::HashMap;
 use std::f64::consts::PI;

@@ -97,10 +97,7 @@ fn of_mesh(
         let options = MeasureOptions::default();
         let views: Vec<MeshView<'_>> = hulls.iter().map(TriangleMesh::view).collect();
         let verified = verify(&file, &views, &options, &control)?;
-        let [protrusion, uncovered] = [verified.protrusion_max, verified.uncovered_max];
-        let errors =
-            VerifiedErrors::new(protrusion * verified.diagonal, uncovered * verified.diagonal);
-        add(method.into(), hulls.len(), errors, &Parameters::default())
+        add(method.into(), hulls.len(), verified.in_units(), &Parameters::default())
     };
     if let Some(parameters) = vhacd::parameters(&Run::VHACD_DEFAULT) {
         let hulls = vhacd::decompose(file.view(), &parameters);

@@ -10,8 +10,9 @@ use crate::error::Error;
 use crate::geometry::vector::Vector;
 use crate::parallel;
 
-/// Points between two others that are looked at, the one halfway first. As shares of the way: powers
-/// of the golden ratio, since fractions of whole numbers would all lie in the bars of a grating.
+/// Points between two others that are looked at, the one halfway first. As shares of the way:
+/// powers of the golden ratio, since fractions of whole numbers would all lie in the bars of a
+/// grating.
 const BETWEEN: [f64; 7] = [0.5, 0.382, 0.618, 0.236, 0.764, 0.146, 0.854];
 
 /// Points of a round, at most: all pairs of them are looked at.

@@ -8,6 +8,7 @@ use crate::control::Control;
 use crate::error::Error;
 use crate::geometry::MeshView;
 use crate::hull::{ConvexHull, convex_hull};
+use crate::hulls_format::VerifiedErrors;
 use crate::mesh::Normalization;
 use crate::mesh::repair::Survey;
 use crate::openings::prepare::prepare_closed;
@@ -30,6 +31,15 @@ pub struct VerifiedDistances {
     pub resolution: f64,
     /// Diagonal of the bounding box of the vertices that triangles use, in the mesh's units.
     pub diagonal: f64,
+}
+
+impl VerifiedDistances {
+    /// Both in the mesh's units, as [`least_hulls`](crate::least_hulls()) takes them.
+    pub fn in_units(&self) -> VerifiedErrors {
+        let [protrusion, uncovered] =
+            [self.protrusion_max, self.uncovered_max].map(|share| share * self.diagonal);
+        VerifiedErrors::new(protrusion, uncovered)
+    }
 }
 
 /// Distances are known to this share of themselves.
@@ -122,13 +132,14 @@ fn bound(
     };
     let flatness = options.flatness.of_diagonal(normalization.diagonal) / normalization.diagonal;
     let reached = verifier(flatness)?.reached(&hulls, control)?;
-    // Whether a bound is kept is decided soon, how far it is exceeded may take long: so a bound just
-    // above what some point reaches is tried, and larger ones until one is kept.
+    // Whether a bound is kept is decided soon, how far it is exceeded may take long: so a bound
+    // just above what some point reaches is tried, and larger ones until one is kept.
     let (mut protrusion, mut least) = (f64::INFINITY, reached);
     let mut bound = (1.0 + RESOLUTION) * reached.max(LEAST);
-    let uncovered = verifier(bound)?.uncovered_finely(&hulls, control)?;
+    let mut trial = verifier(bound)?;
+    let uncovered = trial.uncovered_finely(&hulls, control)?;
     for _ in 0..TRIALS {
-        let found = farthest(&verifier(bound)?)?;
+        let found = farthest(&trial)?;
         protrusion = protrusion.min(found);
         if found <= bound {
             break;
@@ -136,6 +147,7 @@ fn bound(
         let is_near = found < STEP * bound;
         least = if is_near { least.max(SURELY * bound) } else { least };
         bound = if is_near { (1.0 + RESOLUTION) * bound.max(found / NEARLY) } else { STEP * bound };
+        trial = verifier(bound)?;
     }
     let diagonal = Survey::new(mesh).normalization.diagonal;
     let scale = normalization.diagonal / diagonal;

@@ -99,10 +99,8 @@ fn no_result_of_any_method_preset_or_bound_has_fewer() {
         for hulls in others {
             let options = MeasureOptions::default();
             let found = verify(&mesh, &hulls, &options, &control).unwrap();
-            let [protrusion, uncovered] =
-                [found.protrusion_max, found.uncovered_max].map(|share| share * found.diagonal);
-            let errors = VerifiedErrors::new(protrusion, uncovered);
-            let least = least_hulls(&mesh, errors, &Parameters::default(), &control).unwrap();
+            let least =
+                least_hulls(&mesh, found.in_units(), &Parameters::default(), &control).unwrap();
             assert!(least.hulls <= hulls.len(), "{name}: {} hulls, {least:?}", hulls.len());
         }
     }

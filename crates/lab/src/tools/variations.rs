@@ -79,7 +79,7 @@ impl Variation {
         all.extend(ASPECTS.map(Self::Slivers));
         all.extend(WALLS.map(Self::Walls));
         all.extend(NOISES.map(Self::JitterWelded));
-        // Of vertices that part by a tenth of the diagonal nothing is left to compare, at great cost.
+        // Where vertices part by a tenth of the diagonal, nothing is left to compare.
         all.extend(NOISES.into_iter().filter(|&size| size < 0.1).map(Self::Jitter));
         all
     }
