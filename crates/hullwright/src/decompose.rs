@@ -183,7 +183,7 @@ async fn run_pass(
     let solids = stages.run(Stage::Solid, make).await?;
     let settings = &deadline.for_patches(settings, stages.taken())?;
     let divide = || {
-        let mesh = PatchMesh::new(&surfaces.coarse, settings, control)?;
+        let mesh = PatchMesh::new(&surfaces.coarse, &solids.coarse, settings, control)?;
         divide_into_patches(mesh, &surfaces, &solids.coarse, settings, control)
     };
     let patches = stages.run(Stage::Patches, divide).await?;
@@ -271,7 +271,7 @@ mod tests {
         let surfaces = simplify(&prepared, None, settings, control).unwrap();
         let settings = &settings.for_surface(surfaces.exact.mesh.triangles.len());
         let solids = solids(&surfaces, None, settings, control).unwrap();
-        let divided = PatchMesh::new(&surfaces.coarse, settings, control).unwrap();
+        let divided = PatchMesh::new(&surfaces.coarse, &solids.coarse, settings, control).unwrap();
         let solid = &solids.coarse;
         let patches = &divide_into_patches(divided, &surfaces, solid, settings, control).unwrap();
         let search = &Search::new(&surfaces, &solids, patches, settings, control);

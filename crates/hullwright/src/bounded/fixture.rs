@@ -40,7 +40,7 @@ impl Fixture {
         let surfaces = simplify(&prepared, None, settings, &control).unwrap();
         let settings = settings.for_surface(surfaces.exact.mesh.triangles.len());
         let solids = solids(&surfaces, None, &settings, &control).unwrap();
-        let divided = PatchMesh::new(&surfaces.coarse, &settings, &control).unwrap();
+        let divided = PatchMesh::new(&surfaces.coarse, &solids.coarse, &settings, &control).unwrap();
         let solid = &solids.coarse;
         let patches = divide_into_patches(divided, &surfaces, solid, &settings, &control).unwrap();
         Self { prepared, surfaces, solids, patches, settings, control }
@@ -70,6 +70,16 @@ impl Fixture {
             component: patch.component,
         };
         (0..).zip(&self.patches.patches).map(hull).collect()
+    }
+
+    /// How often each triangle of the surface is owned by hulls.
+    pub fn owners(&self, hulls: &[FinalHull]) -> Vec<u32> {
+        let mut owners = vec![0; self.patches.surface.triangles.len()];
+        for hull in hulls {
+            let own = hull.owned.triangles(&self.patches);
+            own.for_each(|triangle| owners[triangle as usize] += 1);
+        }
+        owners
     }
 }
 

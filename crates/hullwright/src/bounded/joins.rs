@@ -23,6 +23,21 @@ pub(super) fn are_near(a: [Vector; 2], b: [Vector; 2], gap: f64) -> bool {
     (0..3).all(|k| a[0][k] <= b[1][k] + gap && b[0][k] <= a[1][k] + gap)
 }
 
+/// All pairs of boxes that are near, in no order. Boxes are sorted along one axis, so that those
+/// which lie apart on it are never compared.
+pub(super) fn near_pairs(boxes: &[(u32, [Vector; 2])], gap: f64) -> Vec<Pair> {
+    let low = |&(_, [min, _]): &(u32, [Vector; 2])| min.x;
+    let mut sorted = boxes.to_vec();
+    sorted.sort_by(|a, b| low(a).total_cmp(&low(b)));
+    let mut pairs = Vec::new();
+    for (index, &(first, corners)) in sorted.iter().enumerate() {
+        let beside = sorted[index + 1..].iter().take_while(|&next| low(next) <= corners[1].x + gap);
+        let near = beside.filter(|&&(_, others)| are_near(corners, others, gap));
+        pairs.extend(near.map(|&(second, _)| ordered(first, second)));
+    }
+    pairs
+}
+
 /// A number with a total order.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Cost(pub f64);
@@ -129,6 +144,20 @@ mod tests {
             assert_eq!(are_near(unit, beside(x, y), 0.2), expected, "{x}, {y}");
             assert_eq!(are_near(beside(x, y), unit, 0.2), expected, "{x}, {y}");
         }
+    }
+
+    #[test]
+    fn near_pairs_are_those_of_all_pairs_that_are_near() {
+        let corner = |k: u32| Vector::new(f64::from(k * 7 % 11), f64::from(k * 5 % 13), 0.0);
+        let boxes: Vec<(u32, [Vector; 2])> =
+            (0..40).map(|k| (k, [corner(k), corner(k) + Vector::ONE])).collect();
+        let all = boxes.iter().flat_map(|a| boxes.iter().map(move |b| (a, b)));
+        let near = all.filter(|(a, b)| a.0 < b.0 && are_near(a.1, b.1, 1.0));
+        let expected: Vec<Pair> = near.map(|(a, b)| (a.0, b.0)).collect();
+        let mut found = near_pairs(&boxes, 1.0);
+        found.sort_unstable();
+        assert_eq!(found, expected);
+        assert!(found.len() > 40 && found.len() < 40 * 39 / 2);
     }
 
     #[test]

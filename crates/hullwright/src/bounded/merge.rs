@@ -7,11 +7,12 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::joins::{Cost, Pair, PairQueue, are_near, ordered};
+use super::joins::{Cost, Pair, PairQueue, near_pairs, ordered};
 use super::patch::{PatchSet, Patches, Piece};
 use super::search::Search;
 use crate::control::Control;
 use crate::error::Error;
+use crate::geometry::vector::Vector;
 use crate::hull::growing_hull::GrowingHull;
 use crate::parallel;
 use crate::solid::FitTester;
@@ -31,9 +32,10 @@ struct Joint {
     only_new: bool,
 }
 
-/// A joint hull is only built once its pair's estimate is the cheapest: before that, most pairs
-/// lose one of the two to another. Boxed, since the queue moves its entries.
-type Queue = PairQueue<Cost, Option<Box<Joint>>>;
+/// A pair's cost, and whether it is known or an estimate. It is only computed once the estimate is
+/// the cheapest: before that, most pairs lose one of the two to another. Joint hulls are not kept,
+/// since a tangle has a million pairs.
+type Queue = PairQueue<Cost, bool>;
 
 /// The state of merging. Pieces keep their index; those that have joined another are `None`.
 struct Merging<'a> {
@@ -85,18 +87,14 @@ impl<'a> Merging<'a> {
 
     /// Makes all pairs of near pieces candidates.
     fn consider_near(&mut self) {
-        let gap = self.widest_gap;
-        let corners = |piece: &Piece| [piece.hull.min, piece.hull.max];
-        let left: Vec<u32> = self.queue.left().collect();
-        for (index, &a) in left.iter().enumerate() {
-            for &b in &left[index + 1..] {
-                if let Some((first, second)) = self.pieces((a, b))
-                    && are_near(corners(first), corners(second), gap)
-                {
-                    self.link(a, b, f64::NEG_INFINITY);
-                    self.consider(a, b, f64::NEG_INFINITY);
-                }
-            }
+        let corners = |index: u32| {
+            let piece = self.pieces[index as usize].as_ref()?;
+            Some((index, [piece.hull.min, piece.hull.max]))
+        };
+        let boxes: Vec<(u32, [Vector; 2])> = self.queue.left().filter_map(corners).collect();
+        for (a, b) in near_pairs(&boxes, self.widest_gap) {
+            self.link(a, b, f64::NEG_INFINITY);
+            self.consider(a, b, f64::NEG_INFINITY);
         }
     }
 
@@ -113,12 +111,12 @@ impl<'a> Merging<'a> {
     fn consider(&mut self, a: u32, b: u32, cost: f64) {
         let pair = ordered(a, b);
         if !self.refused.contains(&pair) {
-            self.queue.push(Cost(cost), pair, None);
+            self.queue.push(Cost(cost), pair, false);
         }
     }
 
     /// The cost of a pair, and its joint hull; `None` if there are conflicts between the two.
-    fn evaluated(&self, pair: Pair) -> Option<(f64, Box<Joint>)> {
+    fn evaluated(&self, pair: Pair) -> Option<(f64, Joint)> {
         let (a, b) = self.pieces(pair)?;
         let conflicts = &self.patches.conflicts;
         if a.patches.iter().any(|patch| conflicts[patch as usize].intersects(&b.patches)) {
@@ -131,40 +129,39 @@ impl<'a> Merging<'a> {
         hull.volume = hull.current_volume();
         let added = hull.volume - a.hull.volume - b.hull.volume;
         let cost = if hull.volume > 0.0 { added / hull.volume } else { 0.0 };
-        Some((cost, Box::new(Joint { hull, only_new })))
+        Some((cost, Joint { hull, only_new }))
     }
 
-    fn add_evaluated(&mut self, pair: Pair, evaluated: Option<(f64, Box<Joint>)>) {
-        let Some((cost, joint)) = evaluated else {
+    fn add_cost(&mut self, pair: Pair, cost: Option<f64>) {
+        let Some(cost) = cost else {
             self.refused.insert(pair);
             return;
         };
         self.link(pair.0, pair.1, cost);
-        self.queue.push(Cost(cost), pair, Some(joint));
+        self.queue.push(Cost(cost), pair, true);
     }
 
     /// Joins the cheapest pairs first. At the start all candidates are evaluated, since nothing is
     /// known of their costs.
     fn run(&mut self, control: &Control) -> Result<(), Error> {
         let pairs: Vec<Pair> = self.queue.pop_all().into_iter().map(|(_, pair, _)| pair).collect();
-        let evaluated = parallel::map(&pairs, |&pair| {
+        let cost = |pair: Pair| self.evaluated(pair).map(|(cost, _)| cost);
+        let costs = parallel::map(&pairs, |&pair| {
             control.check()?;
-            Ok(self.evaluated(pair))
+            Ok(cost(pair))
         });
-        for (pair, evaluated) in pairs.into_iter().zip(evaluated) {
-            self.add_evaluated(pair, evaluated?);
+        for (pair, cost) in pairs.into_iter().zip(costs) {
+            self.add_cost(pair, cost?);
         }
-        while let Some((_, pair, joint)) = self.queue.pop() {
-            match joint {
-                None => {
-                    control.check()?;
-                    let evaluated = self.evaluated(pair);
-                    self.add_evaluated(pair, evaluated);
-                }
-                Some(joint) if self.tester.fits(&joint.hull, joint.only_new) => {
+        while let Some((_, pair, is_known)) = self.queue.pop() {
+            control.check()?;
+            let evaluated = self.evaluated(pair);
+            match evaluated {
+                Some((cost, _)) if !is_known => self.add_cost(pair, Some(cost)),
+                Some((_, joint)) if self.tester.fits(&joint.hull, joint.only_new) => {
                     self.join(pair, joint.hull);
                 }
-                Some(_) => {
+                _ => {
                     self.refused.insert(pair);
                 }
             }

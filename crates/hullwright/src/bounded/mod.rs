@@ -6,6 +6,7 @@
 //! | simplify | `surfaces`, [`crate::mesh::simplification`] | the exact surface, and the coarse one without detail |
 //! | solid | `surfaces`, [`crate::solid`] | whether hulls stay within the bound |
 //! | patches | `patch_mesh` | the mesh that is divided: the coarse surface cut into facets, or simplified |
+//! | | `bundles` | of a surface of many components near ones become one patch |
 //! | | `facets`, `cuts` | surfaces of few triangles are cut where their shape requires it |
 //! | | `patches`, `detail` | the coarse surface is divided into patches, which contain its detail |
 //! | merge | `merge` | patches join into pieces |
@@ -25,6 +26,7 @@
 //! | `verifier` | both errors of finished hulls |
 //! | `output` | results in the input's units |
 
+mod bundles;
 pub(crate) mod cover;
 mod cuts;
 pub(crate) mod deadline;

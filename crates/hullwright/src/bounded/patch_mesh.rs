@@ -1,10 +1,12 @@
 //! The mesh that is divided into patches: the coarse surface cut into facets, or, if it has many
-//! triangles, simplified and refined.
+//! triangles, simplified and refined; of one of many components what is in no bundle of them.
 //!
 //! Takes the coarse surface, gives the mesh of which patches are made. Each of its triangles
 //! represents the triangles of the coarse surface that are closest to it. So the hulls of patches
 //! cover that surface, and not only what simplification left of it.
 
+use super::bundles::{Bundle, Bundles, bundle};
+use super::detail::Parts;
 use super::facets::{Facets, facets};
 use super::patch::Patch;
 use super::settings::Settings;
@@ -13,20 +15,21 @@ use crate::control::Control;
 use crate::error::Error;
 use crate::geometry::vector::{Vector, area_normal, centre};
 use crate::hull::HullBuilder;
+use crate::hull::growing_hull::GrowingHull;
 use crate::mesh::TriangleMesh;
 use crate::mesh::refine::refine;
 use crate::mesh::simplification::Simplification;
 use crate::mesh::simplify::simplify;
-use crate::solid::COARSE;
+use crate::solid::{COARSE, Solid};
 
 /// Simplification joins nothing, and each component is a patch or more. Of a surface in more
-/// components than this the search, which compares all patches, takes seconds and gigabytes.
+/// components than this the search, which compares all patches, takes seconds and gigabytes: near
+/// ones are bundled.
 const MOST_COMPONENTS: usize = COARSE / 2;
 
-/// Such components are welded where they are nearer than about this share of the bound, or twice
-/// that and so on until simplification leaves few enough: it removes nothing around vertices where
-/// welded components cross. What is made of them represents the source all the same.
-const CRACK: f64 = 0.1;
+/// Points of a whole component nearer to its hull than this share of its thickness are left out.
+/// With the patch tolerance alone, a thin plate would keep hardly more than four corners.
+const TOLERANCE_OF_THICKNESS: f64 = 0.02;
 
 /// The mesh, and the surface that its triangles represent.
 pub(crate) struct PatchMesh {
@@ -41,25 +44,28 @@ pub(crate) struct PatchMesh {
     pub facets: Vec<u32>,
     /// For each triangle of `mesh` its planar group. Empty where the mesh was not cut.
     pub planes: Vec<u32>,
+    /// The patches of what no triangle of `mesh` represents.
+    pub bundles: Vec<Patch>,
 }
 
 impl PatchMesh {
-    /// A surface of few triangles is divided into facets.
+    /// A surface of few triangles is divided into facets; of one of many components those that are
+    /// near each other are bundled.
     pub(crate) fn new(
         coarse: &Simplification,
+        solid: &Solid,
         settings: &Settings,
         control: &Control,
     ) -> Result<Self, Error> {
         let (source, source_components) = (&coarse.mesh, &coarse.components);
+        if coarse.closed.len() > MOST_COMPONENTS {
+            return Self::bundled(coarse, solid, settings, control);
+        }
         if source.triangles.len() <= COARSE {
             return Ok(Self::from_facets(coarse, settings));
         }
-        let mut surface = source.clone();
-        let parents = refine(&mut surface, settings.bound.longest_edge());
+        let (surface, parents) = refined(source, settings);
         control.check()?;
-        let select = |indices: &[u32], components: &[u32]| {
-            indices.iter().map(|&index| components[index as usize]).collect::<Vec<u32>>()
-        };
         if source.triangles.len() <= settings.triangles {
             let components = select(&parents, source_components);
             let (mesh, represented) = (surface.clone(), each_itself(&surface));
@@ -72,36 +78,51 @@ impl PatchMesh {
             simplified = simplify(source, source_components, COARSE, control)?;
             control.check()?;
         }
-        if coarse.closed.len() > MOST_COMPONENTS {
-            let mut size = CRACK * settings.bound.verified();
-            while simplified.mesh.triangles.len() > settings.triangles {
-                let (welded, labels) = welded(source, source_components, size);
-                // Far apart and small, they all vanish at once.
-                if welded.triangles.is_empty() {
-                    break;
-                }
-                match simplify(&welded, &labels, settings.triangles, control) {
-                    Ok(fewer) => simplified = fewer,
-                    // Many components that cross take the simplifier too long.
-                    Err(Error::Simplification { .. }) => {}
-                    Err(error) => return Err(error),
-                }
-                control.check()?;
-                size *= 2.0;
-            }
-        }
         let mut mesh = simplified.mesh;
         let origins = refine(&mut mesh, settings.bound.longest_edge());
         let components = select(&origins, &simplified.components);
-        let bvh = Bvh::new(mesh.points(), &mesh.triangles);
-        let mut represented: Vec<Vec<u32>> = vec![Vec::new(); mesh.triangles.len()];
-        let closest = closest_triangles(surface.points(), &surface.triangles, &bvh, control)?;
-        for (triangle, closest) in closest.into_iter().enumerate() {
-            if let Some(list) = represented.get_mut(closest as usize) {
-                list.push(triangle as u32);
-            }
-        }
+        let all: Vec<u32> = (0..surface.triangles.len() as u32).collect();
+        let represented = represented(&mesh, &surface, &all, control)?;
         Ok(Self::without_facets(mesh, components, surface, parents, represented))
+    }
+
+    /// A surface whose components are bundled. What is in no bundle is simplified.
+    fn bundled(
+        coarse: &Simplification,
+        solid: &Solid,
+        settings: &Settings,
+        control: &Control,
+    ) -> Result<Self, Error> {
+        let Bundles { bundles, others } = bundle(coarse, solid, settings, control)?;
+        let (surface, parents) = refined(&coarse.mesh, settings);
+        let parts = Parts::new(&surface, &parents, coarse.mesh.triangles.len());
+        let parts_of = |triangles: &[u32]| -> Vec<u32> {
+            triangles.iter().flat_map(|&triangle| parts.of(triangle)).collect()
+        };
+        let patch_of = |Bundle { triangles, hull }: Bundle| {
+            let own = parts_of(&triangles);
+            let points = surface.positions_of(own.iter().copied());
+            let normals = own.iter().map(|&triangle| {
+                let [a, b, c] = surface.corners(surface.triangles[triangle as usize]);
+                area_normal(a, b, c)
+            });
+            let mut patch = patch(&points, normals, &mut reducer_of_whole(&hull, settings));
+            patch.component = triangles.first().map_or(0, |&t| coarse.components[t as usize]);
+            patch.triangles = own;
+            patch
+        };
+        let bundles = bundles.into_iter().map(patch_of).collect();
+        let mut rest = TriangleMesh { triangles: Vec::new(), ..coarse.mesh.clone() };
+        rest.triangles.extend(others.iter().map(|&t| coarse.mesh.triangles[t as usize]));
+        let components = select(&others, &coarse.components);
+        let simplified = simplify(&rest, &components, settings.triangles, control)?;
+        control.check()?;
+        let mut mesh = simplified.mesh;
+        let origins = refine(&mut mesh, settings.bound.longest_edge());
+        let components = select(&origins, &simplified.components);
+        let represented = represented(&mesh, &surface, &parts_of(&others), control)?;
+        let mesh = Self::without_facets(mesh, components, surface, parents, represented);
+        Ok(Self { bundles, ..mesh })
     }
 
     /// The coarse surface itself, cut into facets.
@@ -109,7 +130,8 @@ impl PatchMesh {
         let Facets { mesh, parents, planes, facets } = facets(&coarse.mesh, settings);
         let components = parents.iter().map(|&parent| coarse.components[parent as usize]).collect();
         let (surface, represented) = (mesh.clone(), each_itself(&mesh));
-        Self { mesh, components, surface, parents, represented, facets, planes }
+        let bundles = Vec::new();
+        Self { mesh, components, surface, parents, represented, facets, planes, bundles }
     }
 
     /// A mesh each of whose triangles is a facet.
@@ -121,8 +143,8 @@ impl PatchMesh {
         represented: Vec<Vec<u32>>,
     ) -> Self {
         let facets = (0..mesh.triangles.len() as u32).collect();
-        let planes = Vec::new();
-        Self { mesh, components, surface, parents, represented, facets, planes }
+        let (planes, bundles) = (Vec::new(), Vec::new());
+        Self { mesh, components, surface, parents, represented, facets, planes, bundles }
     }
 
     /// The patch of some triangles. `reducer` drops points within its tolerance of their hull.
@@ -135,17 +157,10 @@ impl PatchMesh {
             .copied()
             .collect();
         points.extend(surface.positions_of(own.iter().copied()));
-        let mut outward = Vector::ZERO;
-        let mut area = 0.0;
-        for &triangle in triangles {
-            let normal = self.normal(triangle);
-            outward += normal;
-            area += 0.5 * normal.length();
-        }
-        points = reducer.vertices_of(&points).unwrap_or(points);
+        let normals = triangles.iter().map(|&triangle| self.normal(triangle));
         let component = triangles.first().map_or(0, |&triangle| components[triangle as usize]);
-        let mut patch = Patch { outward, area, triangles: own, component, ..Patch::default() };
-        patch.set_points(points);
+        let mut patch = patch(&points, normals, reducer);
+        (patch.triangles, patch.component) = (own, component);
         if !self.planes.is_empty() {
             // Ends of large patches around empty space can all be near other patches.
             patch.representatives.push(self.centre_of(triangles));
@@ -178,53 +193,60 @@ impl PatchMesh {
     }
 }
 
-/// The same triangles, with vertices in the same cell of a lattice as one, and their components:
-/// what is connected by then gets the label of its first triangle. O(n log n).
-fn welded(source: &TriangleMesh, components: &[u32], size: f64) -> (TriangleMesh, Vec<u32>) {
-    let cell = |vertex: u32| {
-        let place = source.points()[vertex as usize] / size;
-        place.to_array().map(|x| x.floor() as i64)
-    };
-    let mut cells: Vec<([i64; 3], u32)> =
-        (0..source.positions.len() as u32).map(|vertex| (cell(vertex), vertex)).collect();
-    cells.sort_unstable();
-    let mut first = vec![0; cells.len()];
-    for same in cells.chunk_by(|a, b| a.0 == b.0) {
-        same.iter().for_each(|&(_, vertex)| first[vertex as usize] = same[0].1);
+/// The patch of points, and of triangles by their area normals.
+fn patch(
+    points: &[Vector],
+    normals: impl Iterator<Item = Vector>,
+    reducer: &mut HullBuilder,
+) -> Patch {
+    let mut patch = Patch::default();
+    for normal in normals {
+        patch.outward += normal;
+        patch.area += 0.5 * normal.length();
     }
-    let mut welded = source.clone();
-    welded.triangles = source.triangles.iter().map(|t| t.map(|v| first[v as usize])).collect();
-    let is_kept: Vec<bool> =
-        welded.triangles.iter().map(|&[a, b, c]| a != b && b != c && c != a).collect();
-    let mut kept = is_kept.iter();
-    welded.triangles.retain(|_| kept.next() == Some(&true));
-    let labels = components.iter().zip(&is_kept).filter(|(_, is_kept)| **is_kept);
-    let labels: Vec<u32> = labels.map(|(&label, _)| label).collect();
+    patch.set_points(reducer.vertices_of(points).unwrap_or_else(|| points.to_vec()));
+    patch
+}
 
-    // Each vertex points toward a triangle's first vertex, the root of its component.
-    let mut parents: Vec<u32> = (0..first.len() as u32).collect();
-    let root = |parents: &mut [u32], mut vertex: u32| {
-        while parents[vertex as usize] != vertex {
-            let next = parents[parents[vertex as usize] as usize];
-            parents[vertex as usize] = next;
-            vertex = next;
-        }
-        vertex
-    };
-    for &[a, b, c] in &welded.triangles {
-        for other in [b, c] {
-            let [a, other] = [a, other].map(|vertex| root(&mut parents, vertex));
-            parents[a.max(other) as usize] = a.min(other);
+/// What drops points of whole components whose hull is known.
+pub(super) fn reducer_of_whole(hull: &GrowingHull, settings: &Settings) -> HullBuilder {
+    let thickness = hull.volume / hull.max.distance_squared(hull.min);
+    let tolerance = settings.bound.tolerance();
+    HullBuilder::new().with_least_tolerance(match hull.is_solid {
+        true => tolerance.min(TOLERANCE_OF_THICKNESS * thickness),
+        false => tolerance,
+    })
+}
+
+/// For each index what it selects.
+fn select(indices: &[u32], from: &[u32]) -> Vec<u32> {
+    indices.iter().map(|&index| from[index as usize]).collect()
+}
+
+/// A surface with its long triangles halved, and for each its parent.
+fn refined(source: &TriangleMesh, settings: &Settings) -> (TriangleMesh, Vec<u32>) {
+    let mut surface = source.clone();
+    let parents = refine(&mut surface, settings.bound.longest_edge());
+    (surface, parents)
+}
+
+/// For each triangle of a mesh those of some of a surface that are closest to it.
+fn represented(
+    mesh: &TriangleMesh,
+    surface: &TriangleMesh,
+    some: &[u32],
+    control: &Control,
+) -> Result<Vec<Vec<u32>>, Error> {
+    let bvh = Bvh::new(mesh.points(), &mesh.triangles);
+    let mut represented: Vec<Vec<u32>> = vec![Vec::new(); mesh.triangles.len()];
+    let triangles: Vec<[u32; 3]> = some.iter().map(|&t| surface.triangles[t as usize]).collect();
+    let closest = closest_triangles(surface.points(), &triangles, &bvh, control)?;
+    for (&triangle, closest) in some.iter().zip(closest) {
+        if let Some(list) = represented.get_mut(closest as usize) {
+            list.push(triangle);
         }
     }
-    let mut of_root = vec![u32::MAX; first.len()];
-    let components = welded.triangles.iter().zip(labels).map(|(triangle, label)| {
-        let own = &mut of_root[root(&mut parents, triangle[0]) as usize];
-        *own = (*own).min(label);
-        *own
-    });
-    let components = components.collect();
-    (welded, components)
+    Ok(represented)
 }
 
 /// What the triangles of a surface represent that is divided as it is.

@@ -8,7 +8,7 @@
 use super::detail::Detail;
 use super::facets::components;
 use super::patch::{Patch, PatchSet, Patches, far_pair};
-use super::patch_mesh::PatchMesh;
+use super::patch_mesh::{PatchMesh, reducer_of_whole};
 use super::settings::Settings;
 use super::surfaces::Surfaces;
 use crate::control::Control;
@@ -16,6 +16,7 @@ use crate::error::Error;
 use crate::geometry::vector::{Vector, diagonal};
 use crate::hull::HullBuilder;
 use crate::hull::growing_hull::GrowingHull;
+use crate::mesh::TriangleMesh;
 use crate::mesh::adjacency::{Adjacency, NO_NEIGHBOUR};
 use crate::mesh::grouping::{group, members};
 use crate::parallel;
@@ -30,10 +31,6 @@ const MAX_GROUPS: usize = 600;
 
 /// Factor between the thresholds of repeated groupings.
 const THRESHOLD_GROWTH: f64 = 2.0;
-
-/// Points of a whole component nearer to its hull than this share of its thickness are left out.
-/// With the patch tolerance alone, a thin plate would keep hardly more than four corners.
-const TOLERANCE_OF_THICKNESS: f64 = 0.02;
 
 /// Triangles whose extent exceeds that of the longest of them by this factor can be divided by
 /// size. Halving a bundle of needles across leaves parts as long as before: a tube of 300 facets
@@ -64,7 +61,8 @@ pub(crate) fn divide_into_patches(
     let adjacency = Adjacency::new(&mesh.mesh);
     let largest = settings.patch_size * area(&mesh).sqrt();
     let division = Division { mesh: &mesh, solid, settings, largest, control };
-    let (mut groups, are_across_folds) = division.groups(&adjacency)?;
+    let (mut groups, mut are_across_folds) = division.groups(&adjacency)?;
+    are_across_folds |= !mesh.bundles.is_empty();
     let mut patches = Vec::new();
     let mut labels = vec![0_u32; mesh.mesh.triangles.len()];
     let mut add = |(patch, triangles): Part| {
@@ -86,7 +84,13 @@ pub(crate) fn divide_into_patches(
         seeds.extend(group?.into_iter().map(|seed| seed.into_iter().map(&mut add).collect()));
     }
     let neighbours = neighbours(&adjacency, &labels);
-    let PatchMesh { mesh, surface, parents, .. } = mesh;
+    let PatchMesh { mut mesh, surface, parents, bundles, .. } = mesh;
+    for bundle in bundles {
+        labels.resize(labels.len() + bundle.triangles.len(), patches.len() as u32);
+        append(&mut mesh, &surface, &bundle.triangles);
+        seeds.push(vec![patches.len() as u32]);
+        patches.push(bundle);
+    }
     let detail = Detail::new(surfaces, solid, &surface, &parents, settings.bound.tolerance());
     if !detail.points.is_empty() {
         add_detail(&mut patches, &detail, settings);
@@ -105,6 +109,17 @@ pub(crate) fn divide_into_patches(
         mesh,
         labels,
     })
+}
+
+/// Adds some triangles of another mesh.
+fn append(mesh: &mut TriangleMesh, other: &TriangleMesh, triangles: &[u32]) {
+    let start = mesh.positions.len() as u32;
+    let added = (start..).step_by(3).map(|first| [first, first + 1, first + 2]);
+    mesh.triangles.extend(added.take(triangles.len()));
+    for &triangle in triangles {
+        let corners = other.corners(other.triangles[triangle as usize]);
+        mesh.positions.extend(corners.map(|corner| corner.to_array()));
+    }
 }
 
 /// Pairs of labels with a common edge, ascending.
@@ -269,13 +284,7 @@ impl Division<'_> {
         if coarse.is_solid && !tester.fits(&coarse, false) {
             return None;
         }
-        let thickness = coarse.volume / coarse.max.distance_squared(coarse.min);
-        let tolerance = match coarse.is_solid {
-            true => bound.tolerance().min(TOLERANCE_OF_THICKNESS * thickness),
-            false => bound.tolerance(),
-        };
-        let mut reducer = HullBuilder::new().with_least_tolerance(tolerance);
-        let patch = mesh.patch(triangles, &mut reducer);
+        let patch = mesh.patch(triangles, &mut reducer_of_whole(&coarse, self.settings));
         tester.fits(&GrowingHull::new(&patch.points, patch.outward), false).then_some(patch)
     }
 
@@ -413,7 +422,6 @@ mod tests {
     use super::*;
     use crate::bounded::fixture::{Fixture, cubes, l_prism, u_prism};
     use crate::geometry::vector::as_vectors;
-    use crate::mesh::TriangleMesh;
     use crate::mesh::shapes::{cuboid, join, torus};
     use crate::parameters::{Parameters, Preset};
     use crate::solid::Boundary;

@@ -186,10 +186,17 @@ fn boxed_in(prepared: &PreparedMesh) -> Vec<(usize, Vec<u32>)> {
     let corners = |&t: &u32| prepared.mesh.corners(prepared.mesh.triangles[t as usize]);
     let boxes: Vec<(Vector, Vector)> =
         members.iter().map(|own| bounds(own.iter().flat_map(corners))).collect();
+    // A tree of diagonals is one of boxes. A box around another contains its lowest corner.
+    let ends: Vec<Vector> = boxes.iter().flat_map(|&(low, high)| [low, high]).collect();
+    let diagonals: Vec<[u32; 3]> =
+        (0..boxes.len() as u32).map(|own| [2 * own, 2 * own + 1, 2 * own]).collect();
+    let bvh = Bvh::new(&ends, &diagonals);
     let is_boxed_in = |own: usize| {
         let (low, high) = boxes[own];
-        boxes.iter().enumerate().any(|(other, (other_low, other_high))| {
-            other != own && (0..3).all(|i| other_low[i] <= low[i] && high[i] <= other_high[i])
+        bvh.triangles_near_box(low, low, 0.0).into_iter().any(|other| {
+            let (other_low, other_high) = boxes[other as usize];
+            other as usize != own
+                && (0..3).all(|i| other_low[i] <= low[i] && high[i] <= other_high[i])
         })
     };
     let is_candidate =

@@ -2,7 +2,7 @@
 //! leave out what is covered elsewhere. A local search for a smaller cover: O(p²) attempts for p
 //! pieces, within a budget of joint hulls.
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 use std::sync::Mutex;
 
 use super::coverage::{Coverage, area, drop_redundant};
@@ -105,9 +105,8 @@ impl Attempt<'_> {
             }
         }
         let mut changed: Vec<(usize, Piece)> = Vec::new();
-        let mut takers = takers.as_slice();
-        while let Some((&j, others)) = takers.split_first() {
-            takers = others;
+        let mut possible = BTreeMap::new();
+        for (place, &j) in takers.iter().enumerate() {
             // What only j covers, given what the others have become.
             let core = coverage.exclusive(&pieces[j].patches);
             if !left.iter().any(|patch| self.grower.may_take(&core, patch)) {
@@ -124,7 +123,10 @@ impl Attempt<'_> {
             if left.is_empty() {
                 break;
             }
-            if self.possible_takes(pieces, takers, &left, &coverage).is_none() {
+            let may_take = |taker: usize, patch: u32| {
+                self.grower.may_take(&coverage.exclusive(&pieces[taker].patches), patch)
+            };
+            if !all_have_takers(&left, &takers, place + 1, &mut possible, may_take) {
                 return Ok(None);
             }
         }
@@ -182,6 +184,23 @@ impl Attempt<'_> {
         }
         Some(counts)
     }
+}
+
+/// Whether each patch of `left` has one of the takers from `first` on that may take it. `known` is
+/// where the last call found it: so few of many are asked again.
+fn all_have_takers(
+    left: &PatchSet,
+    takers: &[usize],
+    first: usize,
+    known: &mut BTreeMap<u32, usize>,
+    may_take: impl Fn(usize, u32) -> bool,
+) -> bool {
+    left.iter().all(|patch| {
+        let is_taker = |&place: &usize| takers.get(place).is_some_and(|&j| may_take(j, patch));
+        let last = known.get(&patch).copied().filter(|&place| place >= first);
+        let found = last.filter(is_taker).or_else(|| (first..takers.len()).find(is_taker));
+        found.map(|place| known.insert(patch, place)).is_some()
+    })
 }
 
 #[cfg(test)]

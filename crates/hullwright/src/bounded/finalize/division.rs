@@ -1,22 +1,15 @@
-//! Division and remerging.
-//!
-//! A piece whose hull does not keep the bound is halved until each part does, at last down to
-//! triangles of the source. Those do, unless a hull has to be thicker than the bound. Each halving
-//! costs a final hull. Then divided hulls join again as long as the joint hull keeps the bound,
-//! those that add the least volume first: a tenth of all meshes have divided hulls, and 7 % of
-//! those hulls can join again. O(k²) joint hulls at first for k hulls, fewer where most are far
-//! from each other, and O(k) for each join.
+//! Division: a piece whose hull does not keep the bound is halved until each part does, at last
+//! down to triangles of the source. Those do, unless a hull has to be thicker than the bound. Each
+//! halving costs a final hull.
 
 use super::final_hull::{FinalHull, Owned, make_hull};
 use super::hull_simplification::FinalizeContext;
-use crate::bounded::joins::{Cost, Pair, PairQueue, are_near};
 use crate::bounded::patch::{Patch, PatchSet, Piece};
 use crate::bounded::search::Search;
 use crate::error::Error;
 use crate::geometry::vector::{Vector, as_arrays, bounds, centre};
-use crate::hull::{ConvexHull, HullBuilder, LEAST_THICKNESS, joint_hull, solid_hull};
-use crate::parallel;
-use crate::solid::{keeps_bound, protrusion};
+use crate::hull::{HullBuilder, LEAST_THICKNESS, solid_hull};
+use crate::solid::protrusion;
 
 /// What has become of a piece.
 pub(super) struct PieceHulls {
@@ -177,108 +170,6 @@ fn halves(items: &mut [u32], centre: impl Fn(&u32) -> Vector) -> (&[u32], &[u32]
     items.split_at(items.len() / 2)
 }
 
-/// A hull that may join others. It stays in the list when it has.
-struct Entry {
-    hull: FinalHull,
-    volume: f64,
-    /// Of its bounding box.
-    corners: [Vector; 2],
-}
-
-impl Entry {
-    fn new(hull: FinalHull) -> Self {
-        let (min, max) = bounds(hull.hull.points().iter().copied());
-        let volume = hull.hull.volume();
-        Self { hull, volume, corners: [min, max] }
-    }
-}
-
-/// Joins hulls. They are verified from the cheapest pair on until one keeps the bound: most that
-/// are dearer lose one of their hulls before it is their turn.
-pub(super) fn remerge(
-    context: &FinalizeContext<'_>,
-    hulls: Vec<FinalHull>,
-) -> Result<Vec<FinalHull>, Error> {
-    let &Search { patches, settings, control, .. } = &context.search;
-    let gap = settings.widest_gap(settings.bound.verified());
-    let mut entries: Vec<Entry> = hulls.into_iter().map(Entry::new).collect();
-    let mut queue = PairQueue::new(entries.len());
-    let count = entries.len() as u32;
-    let mut pairs: Vec<Pair> =
-        (0..count).flat_map(|second| (0..second).map(move |first| (first, second))).collect();
-    let mut builder = HullBuilder::new();
-    while !control.is_past_deadline() {
-        let corners = |hull: u32| entries[hull as usize].corners;
-        pairs.retain(|&(a, b)| queue.is_left(a) && are_near(corners(a), corners(b), gap));
-        let costs = parallel::map(&pairs, |&pair| cost(context, &entries, pair));
-        for (pair, cost) in pairs.drain(..).zip(costs) {
-            if let Some(cost) = cost? {
-                queue.push(Cost(cost), pair, ());
-            }
-        }
-        let Some(pair) = cheapest(context, &entries, &mut queue)? else { break };
-        let [first, second] = [pair.0, pair.1].map(|hull| &entries[hull as usize].hull.owned);
-        let owned = Owned::union(&[first, second], patches);
-        let joint = make_hull(context, owned, &mut builder)?;
-        if joint.keeps_bound(settings) {
-            let new = queue.join(pair);
-            entries.push(Entry::new(joint));
-            pairs.extend((0..new).map(|other| (other, new)));
-        }
-    }
-    let left = (0..).zip(entries).filter(|(index, _)| queue.is_left(*index));
-    Ok(left.map(|(_, entry)| entry.hull).collect())
-}
-
-/// Volume that the joint hull of a pair adds, as a share of its own; `None` if it has too many
-/// vertices.
-fn cost(
-    context: &FinalizeContext<'_>,
-    entries: &[Entry],
-    pair: Pair,
-) -> Result<Option<f64>, Error> {
-    let &Search { settings, control, .. } = &context.search;
-    control.check()?;
-    let joint = hull_of_pair(entries, pair)?;
-    // Simplification hardly ever keeps the limit of a hull that exceeds it here.
-    if settings.max_vertices.is_some_and(|most| joint.points.len() > most) {
-        return Ok(None);
-    }
-    let volume = joint.volume();
-    let apart = entries[pair.0 as usize].volume + entries[pair.1 as usize].volume;
-    Ok(Some((volume - apart) / volume))
-}
-
-/// Takes out the cheapest pair whose joint hull keeps the bound, and those before it, which do not.
-fn cheapest(
-    context: &FinalizeContext<'_>,
-    entries: &[Entry],
-    queue: &mut PairQueue<Cost, ()>,
-) -> Result<Option<Pair>, Error> {
-    let &Search { exact_solid: solid, settings, control, .. } = &context.search;
-    let candidates = queue.pop_all();
-    let pairs: Vec<Pair> = candidates.iter().map(|&(_, pair, ())| pair).collect();
-    let keeps = |&pair: &Pair| {
-        let joint = hull_of_pair(entries, pair)?;
-        keeps_bound(&joint, solid, settings.bound.verified(), control)
-    };
-    let mut verdicts = parallel::map_until(&pairs, keeps, |verdict| !matches!(verdict, Ok(false)));
-    let Some(last) = verdicts.pop() else { return Ok(None) };
-    if !last? {
-        return Ok(None);
-    }
-    let mut others = candidates.into_iter().skip(verdicts.len());
-    let found = others.next().map(|(_, pair, ())| pair);
-    others.for_each(|(cost, pair, ())| queue.push(cost, pair, ()));
-    Ok(found)
-}
-
-/// The hull of a pair of hulls.
-fn hull_of_pair(entries: &[Entry], (first, second): Pair) -> Result<ConvexHull, Error> {
-    let hull = |index: u32| &entries[index as usize].hull.hull;
-    joint_hull(&mut HullBuilder::new(), hull(first), hull(second))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -294,16 +185,6 @@ mod tests {
     fn divided(fixture: &Fixture) -> Option<PieceHulls> {
         let piece = fixture.piece(0..fixture.patches.count() as u32);
         hulls_of_piece(&context(fixture), &piece).unwrap()
-    }
-
-    /// How often each triangle of the surface is owned.
-    fn owners(fixture: &Fixture, hulls: &[FinalHull]) -> Vec<u32> {
-        let mut owners = vec![0; fixture.patches.surface.triangles.len()];
-        for hull in hulls {
-            let own = hull.owned.triangles(&fixture.patches);
-            own.for_each(|triangle| owners[triangle as usize] += 1);
-        }
-        owners
     }
 
     #[test]
@@ -324,7 +205,7 @@ mod tests {
             let count = fixture.patches.count();
             let sets = hulls.iter().map(|hull| &hull.owned.patches);
             assert_eq!(times_in(count, sets), vec![1; count]);
-            assert!(owners(&fixture, &hulls).iter().all(|&owners| owners == 1));
+            assert!(fixture.owners(&hulls).iter().all(|&owners| owners == 1));
         }
     }
 
@@ -342,7 +223,7 @@ mod tests {
             // Its middle stays within all of them, so that no gap opens there.
             assert_eq!(hull.owned.inner_points.len(), 1);
         }
-        assert!(owners(&fixture, &hulls).iter().all(|&owners| owners == 1));
+        assert!(fixture.owners(&hulls).iter().all(|&owners| owners == 1));
     }
 
     #[test]
@@ -367,41 +248,5 @@ mod tests {
         let mut items = [4, 2, 3];
         let (first, second) = halves(&mut items, |_| Vector::ZERO);
         assert_eq!((first, second), (&[2][..], &[3, 4][..]));
-    }
-
-    #[test]
-    fn hulls_of_one_convex_part_join_again() {
-        for (mesh, parts) in [(l_prism(), 2), (u_prism(), 3)] {
-            let fixture = Fixture::new(&mesh, 0.02);
-            // One hull for each patch.
-            let pieces = (0..fixture.patches.count() as u32).map(|patch| fixture.piece([patch]));
-            let hulls = pieces.flat_map(|piece| {
-                hulls_of_piece(&context(&fixture), &piece).unwrap().unwrap().hulls
-            });
-            let joined = remerge(&context(&fixture), hulls.collect()).unwrap();
-            assert_eq!(joined.len(), parts);
-            assert!(joined.iter().all(|hull| hull.keeps_bound(&fixture.settings)));
-            assert!(owners(&fixture, &joined).iter().all(|&owners| owners == 1));
-        }
-    }
-
-    #[test]
-    fn hulls_apart_do_not_join_and_hulls_at_a_crack_do() {
-        let fixture = Fixture::new(&cubes([0.0, 1.02, 3.0]), 0.02);
-        let joined = remerge(&context(&fixture), fixture.hulls_of_patches()).unwrap();
-        let mut sets: Vec<Vec<u32>> =
-            joined.iter().map(|hull| hull.owned.patches.iter().collect()).collect();
-        sets.sort();
-        assert_eq!(sets, [vec![0, 1], vec![2]]);
-    }
-
-    #[test]
-    fn a_pair_with_more_vertices_than_the_limit_has_no_cost() {
-        let mut fixture = Fixture::new(&cubes([0.0, 1.02]), 0.02);
-        let entries: Vec<Entry> = fixture.hulls_of_patches().into_iter().map(Entry::new).collect();
-        let found = cost(&context(&fixture), &entries, (0, 1)).unwrap().unwrap();
-        assert!((found - 0.02 / 2.02).abs() < 1e-6, "{found}");
-        fixture.settings.max_vertices = Some(7);
-        assert_eq!(cost(&context(&fixture), &entries, (0, 1)).unwrap(), None);
     }
 }

@@ -8,13 +8,15 @@
 //! |---|---|
 //! | `hull_simplification` | vertices are saved |
 //! | `final_hull` | the final hull of some patches, and what it owns |
-//! | `division` | pieces whose hull does not keep the bound are halved, and halves join again |
+//! | `division` | pieces whose hull does not keep the bound are halved |
+//! | `remerge` | hulls join again |
 //! | `fill` | hulls are extended over what they leave hollow |
 
 mod division;
 mod fill;
 pub(crate) mod final_hull;
 mod hull_simplification;
+mod remerge;
 
 use super::cover::Cover;
 use super::cover::coverage::assign_owners;
@@ -23,9 +25,10 @@ use super::search::Search;
 use super::uncovered::{HullDistance, PointBuckets, distance_outside, uncovered_distance};
 use crate::error::Error;
 use crate::parallel;
-use division::{PieceHulls, hulls_of_piece, remerge};
+use division::{PieceHulls, hulls_of_piece};
 use final_hull::{FinalHull, FinalHulls};
 use hull_simplification::FinalizeContext;
+use remerge::remerge;
 
 /// Volume that saving a vertex may add, as a share of the mean volume of all pieces.
 const VOLUME_PER_VERTEX: f64 = 1.2e-3;
