@@ -40,7 +40,8 @@ impl Fixture {
         let surfaces = simplify(&prepared, None, settings, &control).unwrap();
         let settings = settings.for_surface(surfaces.exact.mesh.triangles.len());
         let solids = solids(&surfaces, None, &settings, &control).unwrap();
-        let divided = PatchMesh::new(&surfaces.coarse, &solids.coarse, &settings, &control).unwrap();
+        let divided =
+            PatchMesh::new(&surfaces.coarse, &solids.coarse, &settings, &control).unwrap();
         let solid = &solids.coarse;
         let patches = divide_into_patches(divided, &surfaces, solid, &settings, &control).unwrap();
         Self { prepared, surfaces, solids, patches, settings, control }

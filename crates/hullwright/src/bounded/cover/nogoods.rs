@@ -17,7 +17,7 @@ use crate::bounded::patch::{Patch, PatchSet, Patches};
 use crate::geometry::vector::Vector;
 use crate::solid::{Refusal, Solid};
 
-/// Of a patch with more nogoods, those that have a point of a set are looked up. Crossing triangles
+/// Of a patch with more nogoods, the points of a set are looked up at once. Crossing triangles
 /// teach thousands.
 const MANY: usize = 64;
 
@@ -76,49 +76,11 @@ fn key(point: Vector) -> [u64; 3] {
     point.to_array().map(f64::to_bits)
 }
 
-/// The pairs of points, or twice the same, with which no hull of a patch fits.
-#[derive(Default, Clone)]
-struct Partners {
-    pairs: Vec<[u32; 2]>,
-    /// The second points by the first, once there are many.
-    by_first: HashMap<u32, Vec<u32>>,
-}
-
-impl Partners {
-    fn push(&mut self, pair: [u32; 2]) {
-        self.pairs.push(pair);
-        match self.pairs.len() {
-            ..=MANY => {}
-            len if len == MANY + 1 => self.pairs.iter().for_each(|&[first, second]| {
-                self.by_first.entry(first).or_default().push(second);
-            }),
-            _ => self.by_first.entry(pair[0]).or_default().push(pair[1]),
-        }
-    }
-
-    /// Whether a set of patches has both points of a pair. O(pairs), and where those are many, the
-    /// points of the set or the first points of pairs, whichever are fewer.
-    fn any_in(&self, set: &PatchSet, points: &PointsOfPatches) -> bool {
-        let is_in = |&point: &u32| points.is_in(point, set);
-        if self.pairs.len() <= MANY {
-            return self.pairs.iter().any(|[first, second]| is_in(first) && is_in(second));
-        }
-        let own = || set.iter().flat_map(|patch| &points.of_patch[patch as usize]);
-        let mut seconds = self.by_first.iter();
-        match own().nth(self.by_first.len()) {
-            Some(_) => seconds.any(|(first, second)| is_in(first) && second.iter().any(is_in)),
-            None => own().any(|first| {
-                self.by_first.get(first).is_some_and(|second| second.iter().any(is_in))
-            }),
-        }
-    }
-}
-
 /// See the module.
 pub(super) struct Nogoods<'a> {
     points: &'a PointsOfPatches,
-    /// For each patch.
-    partners: Vec<Partners>,
+    /// For each patch the pairs of points, or twice the same, with which no hull of it fits.
+    partners: Vec<Vec<[u32; 2]>>,
     known: HashSet<[u32; 3]>,
     /// The first that led to each, in order.
     refusals: Vec<Refusal>,
@@ -127,7 +89,7 @@ pub(super) struct Nogoods<'a> {
 impl<'a> Nogoods<'a> {
     /// None yet, for a number of patches.
     pub(super) fn new(points: &'a PointsOfPatches, count: usize) -> Self {
-        let partners = vec![Partners::default(); count];
+        let partners = vec![Vec::new(); count];
         Self { points, partners, known: HashSet::new(), refusals: Vec::new() }
     }
 
@@ -139,9 +101,17 @@ impl<'a> Nogoods<'a> {
         nogoods
     }
 
-    /// Whether no hull of a set of patches and another one fits.
+    /// Whether no hull of a set of patches and another one fits. O(nogoods of the patch).
     pub(super) fn refuse(&self, set: &PatchSet, patch: u32) -> bool {
-        self.partners[patch as usize].any_in(set, self.points)
+        let (points, partners) = (self.points, &self.partners[patch as usize]);
+        if partners.len() <= MANY {
+            return partners.iter().any(|&[a, b]| points.is_in(a, set) && points.is_in(b, set));
+        }
+        let mut is_in = vec![false; points.patches.len()];
+        for patch in set.iter() {
+            points.of_patch[patch as usize].iter().for_each(|&point| is_in[point as usize] = true);
+        }
+        partners.iter().any(|&[a, b]| is_in[a as usize] && is_in[b as usize])
     }
 
     /// Learns from a face that protrudes. A face is no nogood unless its corners are points of
@@ -329,7 +299,8 @@ mod tests {
         pool.install(|| {
             let surfaces = simplify(&prepared, None, settings, &control).unwrap();
             let solids = solids(&surfaces, None, settings, &control).unwrap();
-            let divided = PatchMesh::new(&surfaces.coarse, &solids.coarse, settings, &control).unwrap();
+            let divided =
+                PatchMesh::new(&surfaces.coarse, &solids.coarse, settings, &control).unwrap();
             let patches =
                 &divide_into_patches(divided, &surfaces, &solids.coarse, settings, &control)
                     .unwrap();

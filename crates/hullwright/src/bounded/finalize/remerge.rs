@@ -2,14 +2,11 @@
 //! volume first.
 //!
 //! A tenth of all meshes have divided hulls, and 7 % of those hulls can join again. A joint hull
-//! for each pair that is near another, at first and after each join. What has refused a pair
-//! refuses the hull that one of the two has joined, too.
-
-use std::collections::BTreeSet;
+//! for each pair of hulls that are near each other, at first and after each join.
 
 use super::final_hull::{FinalHull, Owned, make_hull};
 use super::hull_simplification::FinalizeContext;
-use crate::bounded::joins::{Cost, Pair, PairQueue, are_near, near_pairs, ordered};
+use crate::bounded::joins::{Cost, Pair, PairQueue, are_near, near_pairs};
 use crate::bounded::search::Search;
 use crate::error::Error;
 use crate::geometry::vector::{Vector, bounds};
@@ -33,7 +30,7 @@ pub(super) fn remerge(
     let boxes: Vec<(u32, [Vector; 2])> =
         (0..).zip(&entries).map(|(index, entry)| (index, entry.corners)).collect();
     let queue = PairQueue::new(entries.len());
-    let mut remerging = Remerging { context, gap, entries, queue, refused: BTreeSet::new() };
+    let mut remerging = Remerging { context, gap, entries, queue };
     let mut builder = HullBuilder::new();
     remerging.consider(&near_pairs(&boxes, gap))?;
     while !control.is_past_deadline() {
@@ -42,8 +39,6 @@ pub(super) fn remerge(
         if joint.keeps_bound(settings) {
             let pairs = remerging.join(pair, joint);
             remerging.consider(&pairs)?;
-        } else {
-            remerging.refused.insert(pair);
         }
     }
     let Remerging { entries, queue, .. } = remerging;
@@ -74,8 +69,6 @@ struct Remerging<'a> {
     gap: f64,
     entries: Vec<Entry>,
     queue: PairQueue<Cost, ()>,
-    /// Pairs whose joint hull does not keep the bound.
-    refused: BTreeSet<Pair>,
 }
 
 impl Remerging<'_> {
@@ -118,20 +111,14 @@ impl Remerging<'_> {
             let keeps = |&(_, pair, ()): &(Cost, Pair, ())| {
                 keeps_bound(&self.hull_of(pair)?, solid, settings.bound.verified(), control)
             };
-            let verdicts = parallel::map_until(&candidates, keeps, |v| !matches!(v, Ok(false)));
-            let count = verdicts.len();
-            let mut found = None;
-            for (&(_, pair, ()), verdict) in candidates.iter().zip(verdicts) {
-                if verdict? {
-                    found = Some(pair);
-                } else {
-                    self.refused.insert(pair);
-                }
-            }
-            for (cost, pair, ()) in candidates.into_iter().skip(count) {
-                self.queue.push(cost, pair, ());
-            }
-            if found.is_some() {
+            let is_last = |verdict: &Result<bool, Error>| !matches!(verdict, Ok(false));
+            let mut verdicts = parallel::map_until(&candidates, keeps, is_last);
+            if let Some(last) = verdicts.pop()
+                && last?
+            {
+                let mut rest = candidates.into_iter().skip(verdicts.len());
+                let found = rest.next().map(|(_, pair, ())| pair);
+                rest.for_each(|(cost, pair, ())| self.queue.push(cost, pair, ()));
                 return Ok(found);
             }
         }
@@ -141,16 +128,10 @@ impl Remerging<'_> {
     fn join(&mut self, pair: Pair, joint: FinalHull) -> Vec<Pair> {
         let (new, joint) = (self.queue.join(pair), Entry::new(joint));
         let is_near = |&other: &u32| are_near(self.entry(other).corners, joint.corners, self.gap);
-        let near: Vec<u32> =
-            self.queue.left().filter(|&other| other != new).filter(is_near).collect();
+        let near = self.queue.left().filter(|&other| other != new).filter(is_near);
+        let pairs = near.map(|other| (other, new)).collect();
         self.entries.push(joint);
-        let is_refused =
-            |part: u32, other: u32, refused: &BTreeSet<Pair>| refused.contains(&ordered(part, other));
-        let (refused, open): (Vec<u32>, Vec<u32>) = near.into_iter().partition(|&other| {
-            is_refused(pair.0, other, &self.refused) || is_refused(pair.1, other, &self.refused)
-        });
-        self.refused.extend(refused.into_iter().map(|other| (other, new)));
-        open.into_iter().map(|other| (other, new)).collect()
+        pairs
     }
 
     fn entry(&self, hull: u32) -> &Entry {
@@ -208,7 +189,7 @@ mod tests {
     fn remerging<'a>(context: &'a FinalizeContext<'a>, hulls: Vec<FinalHull>) -> Remerging<'a> {
         let queue = PairQueue::new(hulls.len());
         let entries = hulls.into_iter().map(Entry::new).collect();
-        Remerging { context, gap: 0.1, entries, queue, refused: BTreeSet::new() }
+        Remerging { context, gap: 0.1, entries, queue }
     }
 
     #[test]
@@ -223,17 +204,11 @@ mod tests {
     }
 
     #[test]
-    fn what_refuses_a_hull_refuses_the_one_that_it_has_joined() {
-        let fixture = Fixture::new(&cubes([0.0, 1.02, 2.04]), 0.02);
+    fn a_joint_hull_may_join_those_that_are_near_it() {
+        let fixture = Fixture::new(&cubes([0.0, 1.02, 2.04, 9.0]), 0.02);
         let context = context(&fixture);
-        let joint = || fixture.hulls_of_patches().swap_remove(1);
         let mut some = remerging(&context, fixture.hulls_of_patches());
-        some.gap = 1.0;
-        assert_eq!(some.join((0, 1), joint()), [(2, 3)]);
-        let mut some = remerging(&context, fixture.hulls_of_patches());
-        some.gap = 1.0;
-        some.refused.insert((1, 2));
-        assert!(some.join((0, 1), joint()).is_empty());
-        assert!(some.refused.contains(&(2, 3)));
+        let joint = fixture.hulls_of_patches().swap_remove(1);
+        assert_eq!(some.join((0, 1), joint), [(2, 4)]);
     }
 }
