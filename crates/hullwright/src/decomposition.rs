@@ -6,7 +6,7 @@ use crate::mesh::Repairs;
 use crate::openings::Opening;
 
 /// Changes whenever the same input and parameters may give another result.
-pub const ALGORITHM_VERSION: u32 = 30;
+pub const ALGORITHM_VERSION: u32 = 31;
 
 /// One convex piece: its shape, where it comes from, and how far it is from the mesh.
 ///
@@ -175,8 +175,9 @@ pub struct Report {
     pub hulls_without_vertex_limit: usize,
     /// Patches of the surface that the search started from.
     pub patches: usize,
-    /// Whether patches are larger, across the folds of the surface: where it folds everywhere, as
-    /// that of a tangle, patches between folds would be too many. There may be a few more hulls.
+    /// Whether patches are larger, since there would be too many: across the folds of a surface that
+    /// folds everywhere, as that of a tangle, or of several components near each other where there
+    /// are more than 1,200. There may be a few more hulls.
     pub patches_across_folds: bool,
     /// Triangles of the simplified, refined or cut mesh that was grouped.
     pub polygons: usize,

@@ -43,7 +43,8 @@ impl<R: Clone + Into<MethodReport>> Decomposition<R> {
         let report: MethodReport = self.report.clone().into();
         let is_across = report.bounded()?.patches_across_folds;
         is_across
-            .then(|| "the surface folds everywhere: larger patches, maybe a few more hulls".into())
+            .then(|| "the surface folds everywhere, or has many parts: larger patches, maybe a few more hulls"
+                .into())
     }
 
     /// The [exceeded bound](Self::exceeded_bound), what the [vertex

@@ -134,3 +134,61 @@ impl Bundling<'_> {
         self.tester.fits(&hull, false).then_some(hull)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bounded::fixture::{Fixture, cubes};
+    use crate::geometry::TriangleMesh;
+    use crate::mesh::shapes::{cuboid, join, torus};
+
+    /// The components of each bundle, and those in none.
+    fn bundled(mesh: &TriangleMesh) -> (Vec<Vec<u32>>, Vec<u32>) {
+        let fixture = Fixture::new(mesh, 0.02);
+        let (coarse, solid) = (&fixture.surfaces.coarse, &fixture.solids.coarse);
+        let found = bundle(coarse, solid, &fixture.settings, &fixture.control).unwrap();
+        let components = |triangles: &[u32]| {
+            let all = triangles.iter().map(|&triangle| coarse.components[triangle as usize]);
+            let mut components: Vec<u32> = all.collect();
+            components.sort_unstable();
+            components.dedup();
+            components
+        };
+        let bundles = found.bundles.iter().map(|bundle| components(&bundle.triangles)).collect();
+        // Each triangle is in one of them.
+        let mut all = found.others.clone();
+        all.extend(found.bundles.iter().flat_map(|bundle| &bundle.triangles));
+        all.sort_unstable();
+        assert_eq!(all, Vec::from_iter(0..coarse.mesh.triangles.len() as u32));
+        (bundles, components(&found.others))
+    }
+
+    #[test]
+    fn components_near_each_other_are_one_bundle() {
+        let (mut bundles, others) = bundled(&cubes([0.0, 1.01, 4.0, 5.01]));
+        bundles.sort();
+        assert_eq!(bundles, [[0, 1], [2, 3]]);
+        assert!(others.is_empty());
+    }
+
+    #[test]
+    fn components_around_empty_space_are_no_bundle() {
+        // Each of the four sides of a frame is as far from the opposite one as it is long.
+        let side = |low, high| cuboid(low, high);
+        let frame = [
+            side([0.0, 0.0, 0.0], [4.0, 0.5, 0.5]),
+            side([0.0, 3.5, 0.0], [4.0, 4.0, 0.5]),
+            side([0.0, 0.51, 0.0], [0.5, 3.49, 0.5]),
+            side([3.5, 0.51, 0.0], [4.0, 3.49, 0.5]),
+        ];
+        assert_eq!(bundled(&join(&frame)).0.len(), 4);
+    }
+
+    #[test]
+    fn a_component_that_does_not_fit_is_in_no_bundle() {
+        let far = cuboid([4.0, 0.0, 0.0], [4.5, 0.5, 0.5]);
+        let (bundles, others) = bundled(&join(&[torus(24, 12), far]));
+        assert_eq!((bundles.len(), others.len()), (1, 1));
+        assert_ne!(bundles[0], others);
+    }
+}

@@ -40,7 +40,8 @@ impl Patch {
 /// The patches of a surface.
 pub(crate) struct Patches {
     pub patches: Vec<Patch>,
-    /// Whether they are larger, across the folds of a surface that folds everywhere.
+    /// Whether they are larger: across the folds of a surface that folds everywhere, or of several
+    /// components where there are many.
     pub are_across_folds: bool,
     /// Pairs of patches that share an edge.
     pub neighbours: Vec<(u32, u32)>,

@@ -25,7 +25,7 @@ use crate::solid::{COARSE, Solid};
 /// Simplification joins nothing, and each component is a patch or more. Of a surface in more
 /// components than this the search, which compares all patches, takes seconds and gigabytes: near
 /// ones are bundled.
-const MOST_COMPONENTS: usize = COARSE / 2;
+const MOST_COMPONENTS: usize = 1200;
 
 /// Points of a whole component nearer to its hull than this share of its thickness are left out.
 /// With the patch tolerance alone, a thin plate would keep hardly more than four corners.
@@ -257,11 +257,8 @@ fn each_itself(surface: &TriangleMesh) -> Vec<Vec<u32>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bounded::fixture::{Fixture, cubes};
-    use crate::mesh::canonical_order::MeshOrder;
-    use crate::mesh::repair::{Normalization, prepare};
+    use crate::bounded::fixture::Fixture;
     use crate::mesh::shapes::{cuboid, uv_sphere};
-    use crate::parameters::Parameters;
 
     /// A sphere each of whose triangles is by itself, a thousandth smaller.
     fn in_pieces(slices: u32) -> TriangleMesh {
@@ -276,32 +273,28 @@ mod tests {
     }
 
     #[test]
-    fn a_surface_of_many_components_is_welded_before_it_is_divided() {
-        let control = Control::new();
-        let settings = &Settings::of_preset(&Parameters::default(), &Normalization::UNIT)[0];
-        // A little more than what simplification is asked for, and much more.
-        for slices in [40, 60] {
-            let pieces = in_pieces(slices);
-            assert!(pieces.triangles.len() > settings.triangles);
-            let prepared = prepare(pieces.view(), MeshOrder::Place, &control).unwrap();
-            assert_eq!(prepared.closed.len(), pieces.triangles.len());
+    fn a_surface_of_many_components_is_divided_into_bundles_that_represent_all_of_it() {
+        // Fewer triangles than a surface that is cut may have, and more.
+        for slices in [30, 60] {
+            let fixture = Fixture::new(&in_pieces(slices), 0.02);
+            let Fixture { surfaces, solids, settings, control, .. } = &fixture;
+            assert!(surfaces.coarse.closed.len() > MOST_COMPONENTS);
             let divided =
-                PatchMesh::new(&Simplification::unchanged(&prepared), settings, &control).unwrap();
-            assert!(divided.mesh.triangles.len() <= 2 * settings.triangles);
-            let mut components = divided.components;
-            components.sort_unstable();
-            components.dedup();
-            assert!(components.len() < 100, "{}", components.len());
-            // All of the source is represented.
-            assert_eq!(divided.represented.concat().len(), divided.surface.triangles.len());
+                PatchMesh::new(&surfaces.coarse, &solids.coarse, settings, control).unwrap();
+            assert!(divided.bundles.len() < 400, "{}", divided.bundles.len());
+            let of_bundles = divided.bundles.iter().flat_map(|bundle| &bundle.triangles);
+            let mut all: Vec<u32> = of_bundles.copied().collect();
+            all.extend(divided.represented.concat());
+            all.sort_unstable();
+            assert_eq!(all, Vec::from_iter(0..divided.surface.triangles.len() as u32));
         }
     }
 
     #[test]
     fn a_surface_of_few_triangles_is_divided_as_it_is() {
         let fixture = Fixture::new(&cuboid([0.0; 3], [1.0; 3]), 0.02);
-        let divided =
-            PatchMesh::new(&fixture.surfaces.coarse, &fixture.settings, &fixture.control).unwrap();
+        let Fixture { surfaces, solids, settings, control, .. } = &fixture;
+        let divided = PatchMesh::new(&surfaces.coarse, &solids.coarse, settings, control).unwrap();
         assert!(divided.mesh == fixture.surfaces.coarse.mesh && divided.mesh == divided.surface);
         assert_eq!(divided.components, [0; 12]);
         assert_eq!(divided.represented, each_itself(&divided.surface));
@@ -312,9 +305,9 @@ mod tests {
     fn a_surface_of_many_triangles_is_divided_through_fewer_that_represent_all_of_it() {
         // Its coarse surface under so small a bound has more triangles than are divided.
         let fixture = Fixture::new(&uv_sphere(44, [0.0; 3], 1.0), 0.002);
-        let Fixture { surfaces, settings, control, .. } = &fixture;
+        let Fixture { surfaces, solids, settings, control, .. } = &fixture;
         assert!(surfaces.coarse.mesh.triangles.len() > COARSE);
-        let divided = PatchMesh::new(&surfaces.coarse, settings, control).unwrap();
+        let divided = PatchMesh::new(&surfaces.coarse, &solids.coarse, settings, control).unwrap();
         assert!(divided.mesh.triangles.len() < divided.surface.triangles.len());
         assert!(divided.planes.is_empty());
         let mut represented = divided.represented.concat();
@@ -325,8 +318,8 @@ mod tests {
     #[test]
     fn a_patch_has_the_area_and_the_outward_side_of_its_triangles() {
         let fixture = Fixture::new(&cuboid([0.0; 3], [1.0; 3]), 0.02);
-        let Fixture { surfaces, settings, control, .. } = &fixture;
-        let divided = PatchMesh::new(&surfaces.coarse, settings, control).unwrap();
+        let Fixture { surfaces, solids, settings, control, .. } = &fixture;
+        let divided = PatchMesh::new(&surfaces.coarse, &solids.coarse, settings, control).unwrap();
         let face: Vec<u32> = (0..12).filter(|&triangle| divided.normal(triangle).z > 0.0).collect();
         let patch = divided.patch(&face, &mut HullBuilder::new());
         assert!((patch.area - 1.0 / 3.0).abs() < 1e-12);
@@ -336,21 +329,5 @@ mod tests {
         let top = 0.5 / 3.0_f64.sqrt();
         let is_centre = |point: &&Vector| point.distance(Vector::Z * top) < 1e-9;
         assert_eq!(patch.representatives.iter().filter(is_centre).count(), 1);
-    }
-
-    #[test]
-    fn vertices_in_one_cell_are_welded_and_join_components() {
-        let gap = 0.01;
-        let mesh = cubes([0.1, 1.1 + gap]);
-        let components: Vec<u32> = (0..24).map(|triangle| triangle / 12).collect();
-        for (size, expected) in [(0.5 * gap, 2), (0.5, 1)] {
-            let (welded, components) = welded(&mesh, &components, size);
-            assert_eq!(welded.triangles.len(), 24);
-            let mut components = components;
-            components.dedup();
-            assert_eq!(components.len(), expected, "{size}");
-        }
-        // What is smaller than a cell vanishes.
-        assert!(super::welded(&mesh, &components, 10.0).0.triangles.is_empty());
     }
 }

@@ -536,8 +536,8 @@ mod tests {
     #[test]
     fn triangles_are_halved_across_their_longest_axis() {
         let fixture = Fixture::new(&torus(24, 12), 0.02);
-        let mesh =
-            &PatchMesh::new(&fixture.surfaces.coarse, &fixture.settings, &fixture.control).unwrap();
+        let Fixture { surfaces, solids, settings, control, .. } = &fixture;
+        let mesh = &PatchMesh::new(&surfaces.coarse, &solids.coarse, settings, control).unwrap();
         let all: Vec<u32> = (0..mesh.mesh.triangles.len() as u32)
             .filter(|&triangle| mesh.corners(triangle).iter().all(|corner| corner.x > 0.1))
             .collect();
@@ -560,6 +560,7 @@ mod tests {
             represented: vec![vec![0], vec![1]],
             facets: vec![0, 1],
             planes: Vec::new(),
+            bundles: Vec::new(),
         };
         assert_eq!(halves(&mesh, &[0, 1]), (vec![0], vec![1]));
     }

@@ -253,7 +253,10 @@ const CONSTANTS: [(&str, &[(&str, &str)]); 16] = [
     ("crates/hullwright/src/solid/surface.rs", &[("0.52", "OPEN_INSIDE")]),
     ("crates/hullwright/src/solid/grid.rs", &[("1.5 million cells", "MAX_CELLS")]),
     ("crates/hullwright/src/solid/solid.rs", &[("2,400 triangles", "COARSE")]),
-    ("crates/hullwright/src/bounded/patch_mesh.rs", &[("within about 0.1 ε", "CRACK")]),
+    (
+        "crates/hullwright/src/bounded/patch_mesh.rs",
+        &[("more than 1,200 components", "MOST_COMPONENTS")],
+    ),
     (
         "crates/hullwright/src/bounded/facets.rs",
         &[("deeper than 1.5 ε", "LEAST_DEPTH"), ("48 planes", "MAX_PLANES")],

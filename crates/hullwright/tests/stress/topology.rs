@@ -70,6 +70,27 @@ fn a_surface_that_folds_everywhere_is_divided_into_few_patches_and_the_report_sa
     assert!(!plain.report.patches_across_folds && plain.remarks().is_empty());
 }
 
+/// Cubes in a block with cracks between them, from a place along the x-axis on.
+fn crowd(side: u32, start: f64) -> Vec<Mesh> {
+    let cube = |cell: u32| {
+        let place = [cell % side, cell / side % side, cell / side.pow(2)];
+        let [x, y, z] = place.map(|k| 1.01 * f64::from(k));
+        cuboid([start + x, y, z], [start + x + 1.0, y + 1.0, z + 1.0])
+    };
+    (0..side.pow(3)).map(cube).collect()
+}
+
+/// Each part would be a patch or more, and the search compares all of them.
+#[test]
+fn a_surface_of_many_parts_is_divided_into_few_patches_and_the_report_says_so() {
+    let found = assert_sound("a crowd of cubes", &join(&crowd(11, 0.0)));
+    assert!(found.report.patches_across_folds);
+    assert_eq!((found.hulls.len(), found.report.patches), (1, 1));
+    assert_eq!(found.hulls[0].provenance.source_triangles.len(), 12 * 11 * 11 * 11);
+    let two = [crowd(9, 0.0), crowd(9, 30.0)].concat();
+    assert_eq!(assert_sound("two crowds of cubes", &join(&two)).hulls.len(), 2);
+}
+
 /// One side only: no winding is consistent.
 #[test]
 fn a_moebius_strip_keeps_the_promise() {
