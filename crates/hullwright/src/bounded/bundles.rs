@@ -2,8 +2,8 @@
 //! hull fits become one patch.
 //!
 //! Takes the coarse surface and its solid. Halves all components by their places until the hull of
-//! each part fits. O(n log n) for n triangles, and a fit test for each part whose middle is not
-//! empty.
+//! each part fits: a seed. Its parts are halved on until none is larger than a patch may be. O(n
+//! log n) for n triangles, and a fit test for each part whose middle is not empty.
 
 use super::patch::far_pair;
 use super::settings::Settings;
@@ -37,7 +37,8 @@ pub(super) struct Bundle {
 /// The components of a surface.
 #[derive(Default)]
 pub(super) struct Bundles {
-    pub bundles: Vec<Bundle>,
+    /// Bundles of one hull that fits.
+    pub seeds: Vec<Vec<Bundle>>,
     /// The triangles of components whose own hull does not fit, ascending.
     pub others: Vec<u32>,
 }
@@ -66,17 +67,36 @@ pub(super) fn bundle(
         bound: settings.bound.search(),
         tester: FitTester::new(solid, settings.bound.search()),
     };
+    let area = mesh.triangles.iter().map(|&corners| {
+        let [a, b, c] = mesh.corners(corners);
+        0.5 * area_normal(a, b, c).length()
+    });
+    let largest = settings.patch_size * area.sum::<f64>().sqrt();
     let mut found = Bundles::default();
-    let mut stack = vec![components.map(component).collect::<Vec<Component>>()];
-    while let Some(part) = stack.pop() {
+    let mut stack = vec![(components.map(component).collect::<Vec<Component>>(), false)];
+    while let Some((part, is_in_seed)) = stack.pop() {
         control.check()?;
-        if let Some(hull) = bundling.fitting(&part) {
-            found.bundles.push(Bundle { triangles: triangles_of(part), hull });
-        } else if part.len() > 1 {
-            let (first, second) = halves(part);
-            stack.extend([second, first]);
-        } else {
+        let hull = match is_in_seed {
+            true => Some(bundling.hull(&part)),
+            false => bundling.fitting(&part),
+        };
+        let fits = hull.is_some();
+        if fits && !is_in_seed {
+            // Its parts are next on the stack.
+            found.seeds.push(Vec::new());
+        }
+        let is_patch =
+            |hull: &GrowingHull| part.len() == 1 || hull.max.distance(hull.min) <= largest;
+        if let Some(hull) = hull.filter(is_patch) {
+            let bundle = Bundle { triangles: triangles_of(part), hull };
+            if let Some(seed) = found.seeds.last_mut() {
+                seed.push(bundle);
+            }
+        } else if part.len() == 1 {
             found.others.extend(triangles_of(part));
+        } else {
+            let (first, second) = halves(part);
+            stack.extend([(second, fits), (first, fits)]);
         }
     }
     found.others.sort_unstable();
@@ -125,13 +145,19 @@ impl Bundling<'_> {
         {
             return None;
         }
+        let hull = self.hull(part);
+        self.tester.fits(&hull, false).then_some(hull)
+    }
+
+    fn hull(&self, part: &[Component]) -> GrowingHull {
+        let triangles = || part.iter().flat_map(|one| &one.triangles).copied();
+        let points = self.mesh.positions_of(triangles());
         let normals = triangles().map(|triangle| {
             let [a, b, c] = self.mesh.corners(self.mesh.triangles[triangle as usize]);
             area_normal(a, b, c)
         });
         let outward = normals.fold(Vector::ZERO, |sum, normal| sum + normal);
-        let hull = GrowingHull::new(&points, outward);
-        self.tester.fits(&hull, false).then_some(hull)
+        GrowingHull::new(&points, outward)
     }
 }
 
@@ -142,7 +168,7 @@ mod tests {
     use crate::geometry::TriangleMesh;
     use crate::mesh::shapes::{cuboid, join, torus};
 
-    /// The components of each bundle, and those in none.
+    /// The components of each seed, and those in none.
     fn bundled(mesh: &TriangleMesh) -> (Vec<Vec<u32>>, Vec<u32>) {
         let fixture = Fixture::new(mesh, 0.02);
         let (coarse, solid) = (&fixture.surfaces.coarse, &fixture.solids.coarse);
@@ -154,25 +180,27 @@ mod tests {
             components.dedup();
             components
         };
-        let bundles = found.bundles.iter().map(|bundle| components(&bundle.triangles)).collect();
+        let triangles_of = |seed: &Vec<Bundle>| -> Vec<u32> {
+            seed.iter().flat_map(|bundle| &bundle.triangles).copied().collect()
+        };
+        let seeds: Vec<Vec<u32>> = found.seeds.iter().map(triangles_of).collect();
         // Each triangle is in one of them.
-        let mut all = found.others.clone();
-        all.extend(found.bundles.iter().flat_map(|bundle| &bundle.triangles));
+        let mut all = [found.others.clone(), seeds.concat()].concat();
         all.sort_unstable();
         assert_eq!(all, Vec::from_iter(0..coarse.mesh.triangles.len() as u32));
-        (bundles, components(&found.others))
+        (seeds.iter().map(|seed| components(seed)).collect(), components(&found.others))
     }
 
     #[test]
-    fn components_near_each_other_are_one_bundle() {
-        let (mut bundles, others) = bundled(&cubes([0.0, 1.01, 4.0, 5.01]));
-        bundles.sort();
-        assert_eq!(bundles, [[0, 1], [2, 3]]);
+    fn components_near_each_other_are_one_seed() {
+        let (mut seeds, others) = bundled(&cubes([0.0, 1.01, 4.0, 5.01]));
+        seeds.sort();
+        assert_eq!(seeds, [[0, 1], [2, 3]]);
         assert!(others.is_empty());
     }
 
     #[test]
-    fn components_around_empty_space_are_no_bundle() {
+    fn components_around_empty_space_are_no_seed() {
         // Each of the four sides of a frame is as far from the opposite one as it is long.
         let side = |low, high| cuboid(low, high);
         let frame = [
@@ -185,10 +213,10 @@ mod tests {
     }
 
     #[test]
-    fn a_component_that_does_not_fit_is_in_no_bundle() {
+    fn a_component_that_does_not_fit_is_in_no_seed() {
         let far = cuboid([4.0, 0.0, 0.0], [4.5, 0.5, 0.5]);
-        let (bundles, others) = bundled(&join(&[torus(24, 12), far]));
-        assert_eq!((bundles.len(), others.len()), (1, 1));
-        assert_ne!(bundles[0], others);
+        let (seeds, others) = bundled(&join(&[torus(24, 12), far]));
+        assert_eq!((seeds.len(), others.len()), (1, 1));
+        assert_ne!(seeds[0], others);
     }
 }

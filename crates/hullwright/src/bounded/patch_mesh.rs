@@ -44,8 +44,8 @@ pub(crate) struct PatchMesh {
     pub facets: Vec<u32>,
     /// For each triangle of `mesh` its planar group. Empty where the mesh was not cut.
     pub planes: Vec<u32>,
-    /// The patches of what no triangle of `mesh` represents.
-    pub bundles: Vec<Patch>,
+    /// The patches of what no triangle of `mesh` represents, by seeds.
+    pub bundles: Vec<Vec<Patch>>,
 }
 
 impl PatchMesh {
@@ -93,7 +93,7 @@ impl PatchMesh {
         settings: &Settings,
         control: &Control,
     ) -> Result<Self, Error> {
-        let Bundles { bundles, others } = bundle(coarse, solid, settings, control)?;
+        let Bundles { seeds, others } = bundle(coarse, solid, settings, control)?;
         let (surface, parents) = refined(&coarse.mesh, settings);
         let parts = Parts::new(&surface, &parents, coarse.mesh.triangles.len());
         let parts_of = |triangles: &[u32]| -> Vec<u32> {
@@ -111,7 +111,8 @@ impl PatchMesh {
             patch.triangles = own;
             patch
         };
-        let bundles = bundles.into_iter().map(patch_of).collect();
+        let bundles =
+            seeds.into_iter().map(|seed| seed.into_iter().map(patch_of).collect()).collect();
         let mut rest = TriangleMesh { triangles: Vec::new(), ..coarse.mesh.clone() };
         rest.triangles.extend(others.iter().map(|&t| coarse.mesh.triangles[t as usize]));
         let components = select(&others, &coarse.components);
@@ -281,8 +282,9 @@ mod tests {
             assert!(surfaces.coarse.closed.len() > MOST_COMPONENTS);
             let divided =
                 PatchMesh::new(&surfaces.coarse, &solids.coarse, settings, control).unwrap();
-            assert!(divided.bundles.len() < 400, "{}", divided.bundles.len());
-            let of_bundles = divided.bundles.iter().flat_map(|bundle| &bundle.triangles);
+            let bundles = divided.bundles.concat();
+            assert!(3 * bundles.len() < surfaces.coarse.closed.len(), "{}", bundles.len());
+            let of_bundles = bundles.iter().flat_map(|bundle| &bundle.triangles);
             let mut all: Vec<u32> = of_bundles.copied().collect();
             all.extend(divided.represented.concat());
             all.sort_unstable();

@@ -85,11 +85,14 @@ pub(crate) fn divide_into_patches(
     }
     let neighbours = neighbours(&adjacency, &labels);
     let PatchMesh { mut mesh, surface, parents, bundles, .. } = mesh;
-    for bundle in bundles {
-        labels.resize(labels.len() + bundle.triangles.len(), patches.len() as u32);
-        append(&mut mesh, &surface, &bundle.triangles);
-        seeds.push(vec![patches.len() as u32]);
-        patches.push(bundle);
+    for seed in bundles {
+        let first = patches.len() as u32;
+        for bundle in seed {
+            labels.resize(labels.len() + bundle.triangles.len(), patches.len() as u32);
+            append(&mut mesh, &surface, &bundle.triangles);
+            patches.push(bundle);
+        }
+        seeds.push((first..patches.len() as u32).collect());
     }
     let detail = Detail::new(surfaces, solid, &surface, &parents, settings.bound.tolerance());
     if !detail.points.is_empty() {
