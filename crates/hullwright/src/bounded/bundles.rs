@@ -9,7 +9,7 @@ use super::patch::far_pair;
 use super::settings::Settings;
 use crate::control::Control;
 use crate::error::Error;
-use crate::geometry::vector::{Vector, area_normal, bounds};
+use crate::geometry::vector::{Vector, area_normal, halves, mean};
 use crate::hull::growing_hull::GrowingHull;
 use crate::mesh::TriangleMesh;
 use crate::mesh::grouping::members;
@@ -55,29 +55,26 @@ pub(super) fn bundle(
 ) -> Result<Bundles, Error> {
     let mesh = &coarse.mesh;
     let component = |triangles: Vec<u32>| {
-        let points = mesh.positions_of(triangles.iter().copied());
-        let sum = points.iter().fold(Vector::ZERO, |sum, &point| sum + point);
-        Component { centre: sum / points.len().max(1) as f64, triangles }
+        let centre = mean(&mesh.positions_of(triangles.iter().copied()));
+        Component { centre, triangles }
     };
     let components = members(&coarse.components, coarse.closed.len());
     let components = components.into_iter().filter(|triangles| !triangles.is_empty());
-    let mut bundling = Bundling {
-        mesh,
-        solid,
-        bound: settings.bound.search(),
-        tester: FitTester::new(solid, settings.bound.search()),
-    };
+    let components: Vec<Component> = components.map(component).collect();
+    let bound = settings.bound.search();
+    let tester = FitTester::new(solid, bound);
+    let mut bundling = Bundling { mesh, components: &components, solid, bound, tester };
     let area = mesh.triangles.iter().map(|&corners| {
         let [a, b, c] = mesh.corners(corners);
         0.5 * area_normal(a, b, c).length()
     });
     let largest = settings.patch_size * area.sum::<f64>().sqrt();
     let mut found = Bundles::default();
-    let mut stack = vec![(components.map(component).collect::<Vec<Component>>(), false)];
-    while let Some((part, is_in_seed)) = stack.pop() {
+    let mut stack = vec![(Vec::from_iter(0..components.len() as u32), false)];
+    while let Some((mut part, is_in_seed)) = stack.pop() {
         control.check()?;
         let hull = match is_in_seed {
-            true => Some(bundling.hull(&part)),
+            true => Some(bundling.hull(&part, &bundling.points(&part))),
             false => bundling.fitting(&part),
         };
         let fits = hull.is_some();
@@ -88,76 +85,67 @@ pub(super) fn bundle(
         let is_patch =
             |hull: &GrowingHull| part.len() == 1 || hull.max.distance(hull.min) <= largest;
         if let Some(hull) = hull.filter(is_patch) {
-            let bundle = Bundle { triangles: triangles_of(part), hull };
+            let mut triangles: Vec<u32> = bundling.triangles(&part).collect();
+            triangles.sort_unstable();
+            let bundle = Bundle { triangles, hull };
             if let Some(seed) = found.seeds.last_mut() {
                 seed.push(bundle);
             }
         } else if part.len() == 1 {
-            found.others.extend(triangles_of(part));
+            found.others.extend(bundling.triangles(&part));
         } else {
-            let (first, second) = halves(part);
-            stack.extend([(second, fits), (first, fits)]);
+            let centre = |&component: &u32| components[component as usize].centre;
+            let (first, second) = halves(&mut part, centre);
+            stack.extend([second, first].map(|half| (half.to_vec(), fits)));
         }
     }
     found.others.sort_unstable();
     Ok(found)
 }
 
-fn triangles_of(part: Vec<Component>) -> Vec<u32> {
-    let mut triangles: Vec<u32> = part.into_iter().flat_map(|one| one.triangles).collect();
-    triangles.sort_unstable();
-    triangles
-}
-
-/// Two halves along the axis of greatest extent.
-fn halves(mut part: Vec<Component>) -> (Vec<Component>, Vec<Component>) {
-    let (min, max) = bounds(part.iter().map(|one| one.centre));
-    let extent = max - min;
-    let axis = (0..3).max_by(|&a, &b| extent[a].total_cmp(&extent[b])).unwrap_or(0);
-    let place = |one: &Component| one.centre[axis];
-    part.sort_by(|a, b| place(a).total_cmp(&place(b)).then(a.triangles.cmp(&b.triangles)));
-    let second = part.split_off(part.len() / 2);
-    (part, second)
-}
-
 struct Bundling<'a> {
     mesh: &'a TriangleMesh,
+    components: &'a [Component],
     solid: &'a Solid,
     bound: f64,
     tester: FitTester<'a>,
 }
 
 impl Bundling<'_> {
+    fn triangles(&self, part: &[u32]) -> impl Iterator<Item = u32> {
+        part.iter().flat_map(|&one| &self.components[one as usize].triangles).copied()
+    }
+
+    fn points(&self, part: &[u32]) -> Vec<Vector> {
+        self.mesh.positions_of(self.triangles(part))
+    }
+
     /// The joint hull of components, if it fits.
-    fn fitting(&mut self, part: &[Component]) -> Option<GrowingHull> {
-        let step = part.len().div_ceil(MAX_COMPARED).max(1);
-        let centres: Vec<Vector> = part.iter().step_by(step).map(|one| one.centre).collect();
-        let is_separated = centres.iter().enumerate().any(|(index, &a)| {
-            centres[..index].iter().any(|&b| self.solid.separates(a, b, self.bound))
-        });
-        if is_separated {
+    fn fitting(&mut self, part: &[u32]) -> Option<GrowingHull> {
+        let separates = |a, b| self.solid.separates(a, b, self.bound);
+        let some = part.iter().step_by(part.len().div_ceil(MAX_COMPARED).max(1));
+        let centres: Vec<Vector> = some.map(|&one| self.components[one as usize].centre).collect();
+        let is_separated =
+            |(index, &a): (usize, &Vector)| centres[..index].iter().any(|&b| separates(a, b));
+        if centres.iter().enumerate().any(is_separated) {
             return None;
         }
-        let triangles = || part.iter().flat_map(|one| &one.triangles).copied();
-        let points = self.mesh.positions_of(triangles());
+        let points = self.points(part);
         if let [a, b] = far_pair(&points)[..]
-            && self.solid.separates(a, b, self.bound)
+            && separates(a, b)
         {
             return None;
         }
-        let hull = self.hull(part);
+        let hull = self.hull(part, &points);
         self.tester.fits(&hull, false).then_some(hull)
     }
 
-    fn hull(&self, part: &[Component]) -> GrowingHull {
-        let triangles = || part.iter().flat_map(|one| &one.triangles).copied();
-        let points = self.mesh.positions_of(triangles());
-        let normals = triangles().map(|triangle| {
+    fn hull(&self, part: &[u32], points: &[Vector]) -> GrowingHull {
+        let normals = self.triangles(part).map(|triangle| {
             let [a, b, c] = self.mesh.corners(self.mesh.triangles[triangle as usize]);
             area_normal(a, b, c)
         });
-        let outward = normals.fold(Vector::ZERO, |sum, normal| sum + normal);
-        GrowingHull::new(&points, outward)
+        GrowingHull::new(points, normals.fold(Vector::ZERO, |sum, normal| sum + normal))
     }
 }
 

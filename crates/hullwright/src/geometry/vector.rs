@@ -125,6 +125,15 @@ pub fn area_normal(a: Vector, b: Vector, c: Vector) -> Vector {
     (b - a).cross(c - a)
 }
 
+/// Two halves of items along the axis on which their centres extend the most.
+pub fn halves(items: &mut [u32], centre: impl Fn(&u32) -> Vector) -> (&[u32], &[u32]) {
+    let (min, max) = bounds(items.iter().map(&centre));
+    let extent = max - min;
+    let axis = (0..3).max_by(|&a, &b| extent[a].total_cmp(&extent[b])).unwrap_or(0);
+    items.sort_by(|a, b| centre(a)[axis].total_cmp(&centre(b)[axis]).then(a.cmp(b)));
+    items.split_at(items.len() / 2)
+}
+
 /// Six times the signed volume between triangles and the origin.
 pub fn six_volumes(triangles: impl Iterator<Item = [Vector; 3]>) -> f64 {
     triangles.map(|[a, b, c]| a.dot(b.cross(c))).sum()

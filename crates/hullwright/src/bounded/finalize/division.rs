@@ -7,7 +7,7 @@ use super::hull_simplification::FinalizeContext;
 use crate::bounded::patch::{Patch, PatchSet, Piece};
 use crate::bounded::search::Search;
 use crate::error::Error;
-use crate::geometry::vector::{Vector, as_arrays, bounds, centre};
+use crate::geometry::vector::{Vector, as_arrays, centre, halves};
 use crate::hull::{HullBuilder, LEAST_THICKNESS, solid_hull};
 use crate::solid::protrusion;
 
@@ -159,15 +159,6 @@ impl Division<'_> {
         let sum = unlimited.points().iter().fold(Vector::ZERO, |sum, &point| sum + point);
         Ok(Some(sum * (1.0 / count as f64)))
     }
-}
-
-/// Two halves along the axis of greatest extent.
-fn halves(items: &mut [u32], centre: impl Fn(&u32) -> Vector) -> (&[u32], &[u32]) {
-    let (min, max) = bounds(items.iter().map(&centre));
-    let extent = |axis: &usize| max[*axis] - min[*axis];
-    let axis = (0..3).max_by(|a, b| extent(a).total_cmp(&extent(b))).unwrap_or(0);
-    items.sort_by(|a, b| centre(a)[axis].total_cmp(&centre(b)[axis]).then(a.cmp(b)));
-    items.split_at(items.len() / 2)
 }
 
 #[cfg(test)]
