@@ -14,7 +14,7 @@
 use super::cuts::{CutMesh, cut};
 use super::settings::Settings;
 use crate::geometry::plane::Plane;
-use crate::geometry::vector::{Vector, area_normal};
+use crate::geometry::vector::{Vector, area_normal, sort_by_number};
 use crate::mesh::TriangleMesh;
 use crate::mesh::adjacency::{Adjacency, NO_NEIGHBOUR};
 use crate::mesh::refine::edge;
@@ -166,12 +166,12 @@ fn planar_groups(mesh: &TriangleMesh, adjacency: &Adjacency, flatness: f64) -> P
         })
         .collect();
     let areas: Vec<f64> = normals.iter().map(|&normal| normal.length()).collect();
-    let mut order: Vec<u32> = (0..count as u32).collect();
-    order.sort_by(|&a, &b| areas[b as usize].total_cmp(&areas[a as usize]).then(a.cmp(&b)));
+    let mut order: Vec<(f64, usize)> = areas.iter().map(|area| -area).zip(0..).collect();
+    sort_by_number(&mut order);
     let (labels, planes, vertices) = (vec![u32::MAX; count], Vec::new(), Vec::new());
     let mut groups = PlanarGroups { labels, planes, vertices, flatness };
     let mut stack = Vec::new();
-    for start in order {
+    for start in order.into_iter().map(|(_, start)| start as u32) {
         if groups.labels[start as usize] != u32::MAX {
             continue;
         }

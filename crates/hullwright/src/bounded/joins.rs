@@ -8,7 +8,7 @@
 use std::cmp::Ordering;
 use std::collections::BTreeMap;
 
-use crate::geometry::vector::Vector;
+use crate::geometry::vector::{Vector, sort_by_number};
 
 /// Two hulls by their indices.
 pub(super) type Pair = (u32, u32);
@@ -26,14 +26,20 @@ pub(super) fn are_near(a: [Vector; 2], b: [Vector; 2], gap: f64) -> bool {
 /// All pairs of boxes that are near, in no order. Boxes are sorted along one axis, so that those
 /// which lie apart on it are never compared.
 pub(super) fn near_pairs(boxes: &[(u32, [Vector; 2])], gap: f64) -> Vec<Pair> {
-    let low = |&(_, [min, _]): &(u32, [Vector; 2])| min.x;
-    let mut sorted = boxes.to_vec();
-    sorted.sort_by(|a, b| low(a).total_cmp(&low(b)));
+    let mut order: Vec<(f64, usize)> = boxes.iter().map(|(_, [min, _])| min.x).zip(0..).collect();
+    sort_by_number(&mut order);
     let mut pairs = Vec::new();
-    for (index, &(first, corners)) in sorted.iter().enumerate() {
-        let beside = sorted[index + 1..].iter().take_while(|&next| low(next) <= corners[1].x + gap);
-        let near = beside.filter(|&&(_, others)| are_near(corners, others, gap));
-        pairs.extend(near.map(|&(second, _)| ordered(first, second)));
+    for (place, &(_, first)) in order.iter().enumerate() {
+        let (first, corners) = boxes[first];
+        for &(low, second) in &order[place + 1..] {
+            if low > corners[1].x + gap {
+                break;
+            }
+            let (second, others) = boxes[second];
+            if are_near(corners, others, gap) {
+                pairs.push(ordered(first, second));
+            }
+        }
     }
     pairs
 }

@@ -13,7 +13,7 @@ use super::settings::Settings;
 use super::surfaces::Surfaces;
 use crate::control::Control;
 use crate::error::Error;
-use crate::geometry::vector::{Vector, diagonal};
+use crate::geometry::vector::{Vector, diagonal, sort_by_number};
 use crate::hull::HullBuilder;
 use crate::hull::growing_hull::GrowingHull;
 use crate::mesh::TriangleMesh;
@@ -395,7 +395,7 @@ fn halves(mesh: &PatchMesh, triangles: &[u32]) -> (Vec<u32>, Vec<u32>) {
     let axis = principal_axis(covariance);
     let mut order: Vec<(f64, usize)> =
         (0..units.len()).map(|unit| (axis.dot(centres[unit] - mean), unit)).collect();
-    order.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    sort_by_number(&mut order);
     let half = order.partition_point(|entry| entry.0 < 0.0).clamp(1, order.len().max(2) - 1);
     let part = |entries: &[(f64, usize)]| {
         let mut part: Vec<u32> =

@@ -125,13 +125,30 @@ pub fn area_normal(a: Vector, b: Vector, c: Vector) -> Vector {
     (b - a).cross(c - a)
 }
 
-/// Two halves of items along the axis on which their centres extend the most.
+/// Sorts numbers that go with indices: equal ones by index. In one place, since each sort takes
+/// kilobytes of a module for browsers.
+pub fn sort_by_number(order: &mut [(f64, usize)]) {
+    order.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+}
+
+/// Two halves of indices along the axis on which their centres extend the most.
 pub fn halves(items: &mut [u32], centre: impl Fn(&u32) -> Vector) -> (&[u32], &[u32]) {
-    let (min, max) = bounds(items.iter().map(&centre));
+    let centres: Vec<Vector> = items.iter().map(centre).collect();
+    sort_along_extent(items, &centres);
+    items.split_at(items.len() / 2)
+}
+
+fn sort_along_extent(items: &mut [u32], centres: &[Vector]) {
+    let (min, max) = bounds(centres.iter().copied());
     let extent = max - min;
     let axis = (0..3).max_by(|&a, &b| extent[a].total_cmp(&extent[b])).unwrap_or(0);
-    items.sort_by(|a, b| centre(a)[axis].total_cmp(&centre(b)[axis]).then(a.cmp(b)));
-    items.split_at(items.len() / 2)
+    let places = centres.iter().map(|centre| centre[axis]);
+    let mut order: Vec<(f64, usize)> =
+        places.zip(items.iter().map(|&item| item as usize)).collect();
+    sort_by_number(&mut order);
+    for (item, (_, sorted)) in items.iter_mut().zip(order) {
+        *item = sorted as u32;
+    }
 }
 
 /// Six times the signed volume between triangles and the origin.

@@ -8,6 +8,7 @@ use crate::bounded::joins::Cost;
 use crate::bounded::patch::{PatchSet, Patches, Piece};
 use crate::control::Control;
 use crate::error::Error;
+use crate::geometry::vector::sort_by_number;
 use crate::hull::growing_hull::{GrowingHull, SEARCH_TOLERANCE};
 
 #[derive(Clone)]
@@ -87,10 +88,11 @@ pub(crate) fn assign_owners(
     for piece in &owned {
         shared.difference_with(&piece.patches);
     }
-    let mut order: Vec<u32> = shared.iter().collect();
-    order.sort_by(|&a, &b| patches[b].area.total_cmp(&patches[a].area));
+    let least = |patch: u32| (-patches[patch].area, patch as usize);
+    let mut order: Vec<(f64, usize)> = shared.iter().map(least).collect();
+    sort_by_number(&mut order);
     let (mut trial, mut grown) = (GrowingHull::default(), GrowingHull::default());
-    for index in order {
+    for index in order.into_iter().map(|(_, index)| index as u32) {
         control.check()?;
         let patch = &patches[index];
         let mut best: Option<(f64, usize)> = None;

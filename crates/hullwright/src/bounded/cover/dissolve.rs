@@ -2,7 +2,7 @@
 //! leave out what is covered elsewhere. A local search for a smaller cover: O(p²) attempts for p
 //! pieces, within a budget of joint hulls.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::HashMap;
 use std::sync::Mutex;
 
 use super::coverage::{Coverage, area, drop_redundant};
@@ -11,6 +11,7 @@ use super::nogoods::{Learning, Nogoods};
 use crate::bounded::patch::{PatchSet, Patches, Piece};
 use crate::bounded::search::Search;
 use crate::error::Error;
+use crate::geometry::vector::sort_by_number;
 use crate::parallel;
 use crate::solid::FitTester;
 
@@ -45,7 +46,7 @@ pub(super) fn dissolve(
         let coverage = Coverage::new(patches.count(), pieces);
         let exclusive_area = |piece: &Piece| area(patches, &coverage.exclusive(&piece.patches));
         let mut order: Vec<(f64, usize)> = pieces.iter().map(exclusive_area).zip(0..).collect();
-        order.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        sort_by_number(&mut order);
         for some in order.chunks(AT_ONCE) {
             control.check()?;
             if spent >= budget || control.is_past_deadline() {
@@ -105,7 +106,8 @@ impl Attempt<'_> {
             }
         }
         let mut changed: Vec<(usize, Piece)> = Vec::new();
-        let mut possible = BTreeMap::new();
+        // Where the first taker of each patch is; at first nothing is known.
+        let mut possible = vec![0; self.patches.count()];
         for (place, &j) in takers.iter().enumerate() {
             // What only j covers, given what the others have become.
             let core = coverage.exclusive(&pieces[j].patches);
@@ -192,14 +194,16 @@ fn all_have_takers(
     left: &PatchSet,
     takers: &[usize],
     first: usize,
-    known: &mut BTreeMap<u32, usize>,
+    known: &mut [usize],
     may_take: impl Fn(usize, u32) -> bool,
 ) -> bool {
     left.iter().all(|patch| {
         let is_taker = |&place: &usize| takers.get(place).is_some_and(|&j| may_take(j, patch));
-        let last = known.get(&patch).copied().filter(|&place| place >= first);
-        let found = last.filter(is_taker).or_else(|| (first..takers.len()).find(is_taker));
-        found.map(|place| known.insert(patch, place)).is_some()
+        let known = &mut known[patch as usize];
+        if *known < first || !is_taker(known) {
+            *known = (first..takers.len()).find(is_taker).unwrap_or(takers.len());
+        }
+        *known < takers.len()
     })
 }
 

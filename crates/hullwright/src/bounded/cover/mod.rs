@@ -18,6 +18,7 @@ mod nogoods;
 use super::patch::Piece;
 use super::search::Search;
 use crate::error::Error;
+use crate::geometry::vector::sort_by_number;
 use crate::parallel;
 use crate::solid::FitTester;
 use coverage::{area, assign_owners, drop_redundant};
@@ -69,18 +70,20 @@ pub(crate) fn cover(search: &Search<'_>, pieces: Vec<Piece>) -> Result<Cover, Er
 /// cover by then is left out.
 fn grow_all(
     search: &Search<'_>,
-    mut pieces: Vec<Piece>,
+    pieces: Vec<Piece>,
     nogoods: &mut Nogoods<'_>,
 ) -> Result<Vec<Piece>, Error> {
     let &Search { solid, patches, settings, control, .. } = search;
     let all = patches.all();
-    pieces.sort_by(|a, b| area(patches, &b.patches).total_cmp(&area(patches, &a.patches)));
+    let areas = pieces.iter().map(|piece| -area(patches, &piece.patches));
+    let mut order: Vec<(f64, usize)> = areas.zip(0..).collect();
+    sort_by_number(&mut order);
     let mut covered = (all.clone(), Vec::new());
-    for some in pieces.chunks(AT_ONCE) {
+    for some in order.chunks(AT_ONCE) {
         let known = &*nogoods;
-        let grow_one = |piece: &Piece| {
+        let grow_one = |&(_, index): &(f64, usize)| {
             control.check()?;
-            let mut piece = piece.clone();
+            let mut piece = pieces[index].clone();
             let tester = FitTester::new(solid, settings.bound.search());
             let learning = Learning::after(known);
             let mut grower = Grower { patches, tester, learning, control };
@@ -92,7 +95,7 @@ fn grow_all(
         let (open, grown, refusals) = parallel::fold_ahead(
             some,
             (covered.0, covered.1, Vec::new()),
-            |(open, ..), piece| piece.patches.intersects(open),
+            |(open, ..), &(_, index)| pieces[index].patches.intersects(open),
             grow_one,
             |(open, grown, refusals), (piece, learned)| {
                 open.difference_with(&piece.patches);
