@@ -175,9 +175,9 @@ pub struct Report {
     pub hulls_without_vertex_limit: usize,
     /// Patches of the surface that the search started from.
     pub patches: usize,
-    /// Whether patches are larger, since there would be too many: across the folds of a surface that
-    /// folds everywhere, as that of a tangle, or of several components near each other where there
-    /// are more than 1,200. There may be a few more hulls.
+    /// Whether patches are larger, since there would be too many: across the folds of a surface
+    /// that folds everywhere, as that of a tangle, or of several components near each other where
+    /// there are more than 1,200. There may be a few more hulls.
     pub patches_across_folds: bool,
     /// Triangles of the simplified, refined or cut mesh that was grouped.
     pub polygons: usize,

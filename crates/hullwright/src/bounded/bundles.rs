@@ -9,7 +9,7 @@ use super::patch::far_pair;
 use super::settings::Settings;
 use crate::control::Control;
 use crate::error::Error;
-use crate::geometry::vector::{Vector, area_normal, halves, mean};
+use crate::geometry::vector::{Vector, halves, mean};
 use crate::hull::growing_hull::GrowingHull;
 use crate::mesh::TriangleMesh;
 use crate::mesh::grouping::members;
@@ -64,11 +64,7 @@ pub(super) fn bundle(
     let bound = settings.bound.search();
     let tester = FitTester::new(solid, bound);
     let mut bundling = Bundling { mesh, components: &components, solid, bound, tester };
-    let area = mesh.triangles.iter().map(|&corners| {
-        let [a, b, c] = mesh.corners(corners);
-        0.5 * area_normal(a, b, c).length()
-    });
-    let largest = settings.patch_size * area.sum::<f64>().sqrt();
+    let largest = settings.patch_size * mesh.area().sqrt();
     let mut found = Bundles::default();
     let mut stack = vec![(Vec::from_iter(0..components.len() as u32), false)];
     while let Some((mut part, is_in_seed)) = stack.pop() {
@@ -141,10 +137,7 @@ impl Bundling<'_> {
     }
 
     fn hull(&self, part: &[u32], points: &[Vector]) -> GrowingHull {
-        let normals = self.triangles(part).map(|triangle| {
-            let [a, b, c] = self.mesh.corners(self.mesh.triangles[triangle as usize]);
-            area_normal(a, b, c)
-        });
+        let normals = self.triangles(part).map(|triangle| self.mesh.area_normal(triangle));
         GrowingHull::new(points, normals.fold(Vector::ZERO, |sum, normal| sum + normal))
     }
 }

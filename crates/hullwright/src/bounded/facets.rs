@@ -14,7 +14,7 @@
 use super::cuts::{CutMesh, cut};
 use super::settings::Settings;
 use crate::geometry::plane::Plane;
-use crate::geometry::vector::{Vector, area_normal, sort_by_number};
+use crate::geometry::vector::{Vector, sort_by_number};
 use crate::mesh::TriangleMesh;
 use crate::mesh::adjacency::{Adjacency, NO_NEIGHBOUR};
 use crate::mesh::refine::edge;
@@ -159,12 +159,7 @@ struct PlanarGroups {
 fn planar_groups(mesh: &TriangleMesh, adjacency: &Adjacency, flatness: f64) -> PlanarGroups {
     let count = mesh.triangles.len();
     let corners = |t: usize| mesh.triangles[t].map(|vertex| mesh.points()[vertex as usize]);
-    let normals: Vec<Vector> = (0..count)
-        .map(|t| {
-            let [a, b, c] = corners(t);
-            area_normal(a, b, c)
-        })
-        .collect();
+    let normals: Vec<Vector> = (0..count as u32).map(|t| mesh.area_normal(t)).collect();
     let areas: Vec<f64> = normals.iter().map(|&normal| normal.length()).collect();
     let mut order: Vec<(f64, usize)> = areas.iter().map(|area| -area).zip(0..).collect();
     sort_by_number(&mut order);
@@ -329,14 +324,6 @@ mod tests {
         labels.len()
     }
 
-    fn area(mesh: &TriangleMesh) -> f64 {
-        let area = |&triangle: &[u32; 3]| {
-            let [a, b, c] = mesh.corners(triangle);
-            0.5 * area_normal(a, b, c).length()
-        };
-        mesh.triangles.iter().map(area).sum()
-    }
-
     fn notches_of(mesh: &TriangleMesh, least_depth: f64) -> Vec<Notch> {
         let adjacency = Adjacency::new(mesh);
         let groups = planar_groups(mesh, &adjacency, 1e-3);
@@ -358,7 +345,7 @@ mod tests {
         let Facets { mesh: cut_mesh, parents, planes, facets } = divided(&mesh, 0.02);
         // The plane divides both lids and one side.
         assert_eq!([count(&planes), count(&facets)], [8, 11]);
-        assert!((area(&cut_mesh) - area(&mesh)).abs() < 1e-12);
+        assert!((cut_mesh.area() - mesh.area()).abs() < 1e-12);
         assert!(parents.is_sorted() && count(&parents) == mesh.triangles.len());
     }
 

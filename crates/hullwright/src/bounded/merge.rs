@@ -145,10 +145,9 @@ impl<'a> Merging<'a> {
     /// known of their costs.
     fn run(&mut self, control: &Control) -> Result<(), Error> {
         let pairs: Vec<Pair> = self.queue.pop_all().into_iter().map(|(_, pair, _)| pair).collect();
-        let cost = |pair: Pair| self.evaluated(pair).map(|(cost, _)| cost);
         let costs = parallel::map(&pairs, |&pair| {
             control.check()?;
-            Ok(cost(pair))
+            Ok(self.evaluated(pair).map(|(cost, _)| cost))
         });
         for (pair, cost) in pairs.into_iter().zip(costs) {
             self.add_cost(pair, cost?);

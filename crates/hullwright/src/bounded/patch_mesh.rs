@@ -13,13 +13,13 @@ use super::settings::Settings;
 use crate::bvh::{Bvh, closest_triangles};
 use crate::control::Control;
 use crate::error::Error;
-use crate::geometry::vector::{Vector, area_normal, centre};
+use crate::geometry::vector::{Vector, centre};
 use crate::hull::HullBuilder;
 use crate::hull::growing_hull::GrowingHull;
 use crate::mesh::TriangleMesh;
 use crate::mesh::refine::refine;
 use crate::mesh::simplification::Simplification;
-use crate::mesh::simplify::simplify;
+use crate::mesh::simplify::{SimplifiedMesh, simplify};
 use crate::solid::{COARSE, Solid};
 
 /// Simplification joins nothing, and each component is a patch or more. Of a surface in more
@@ -64,7 +64,7 @@ impl PatchMesh {
         if source.triangles.len() <= COARSE {
             return Ok(Self::from_facets(coarse, settings));
         }
-        let (surface, parents) = refined(source, settings);
+        let (surface, parents) = refined(source.clone(), settings);
         control.check()?;
         if source.triangles.len() <= settings.triangles {
             let components = select(&parents, source_components);
@@ -78,12 +78,8 @@ impl PatchMesh {
             simplified = simplify(source, source_components, COARSE, control)?;
             control.check()?;
         }
-        let mut mesh = simplified.mesh;
-        let origins = refine(&mut mesh, settings.bound.longest_edge());
-        let components = select(&origins, &simplified.components);
         let all: Vec<u32> = (0..surface.triangles.len() as u32).collect();
-        let represented = represented(&mesh, &surface, &all, control)?;
-        Ok(Self::without_facets(mesh, components, surface, parents, represented))
+        Self::of_simplified(simplified, surface, parents, &all, settings, control)
     }
 
     /// A surface whose components are bundled. What is in no bundle is simplified.
@@ -94,7 +90,7 @@ impl PatchMesh {
         control: &Control,
     ) -> Result<Self, Error> {
         let Bundles { seeds, others } = bundle(coarse, solid, settings, control)?;
-        let (surface, parents) = refined(&coarse.mesh, settings);
+        let (surface, parents) = refined(coarse.mesh.clone(), settings);
         let parts = Parts::new(&surface, &parents, coarse.mesh.triangles.len());
         let parts_of = |triangles: &[u32]| -> Vec<u32> {
             triangles.iter().flat_map(|&triangle| parts.of(triangle)).collect()
@@ -102,10 +98,7 @@ impl PatchMesh {
         let patch_of = |Bundle { triangles, hull }: Bundle| {
             let own = parts_of(&triangles);
             let points = surface.positions_of(own.iter().copied());
-            let normals = own.iter().map(|&triangle| {
-                let [a, b, c] = surface.corners(surface.triangles[triangle as usize]);
-                area_normal(a, b, c)
-            });
+            let normals = own.iter().map(|&triangle| surface.area_normal(triangle));
             let mut patch = patch(&points, normals, &mut reducer_of_whole(&hull, settings));
             patch.component = triangles.first().map_or(0, |&t| coarse.components[t as usize]);
             patch.triangles = own;
@@ -113,23 +106,35 @@ impl PatchMesh {
         };
         let bundles =
             seeds.into_iter().map(|seed| seed.into_iter().map(patch_of).collect()).collect();
-        let mut rest = TriangleMesh { triangles: Vec::new(), ..coarse.mesh.clone() };
-        rest.triangles.extend(others.iter().map(|&t| coarse.mesh.triangles[t as usize]));
+        let triangles = others.iter().map(|&t| coarse.mesh.triangles[t as usize]).collect();
+        let rest = TriangleMesh::new(coarse.mesh.positions.clone(), triangles);
         let components = select(&others, &coarse.components);
         let simplified = simplify(&rest, &components, settings.triangles, control)?;
         control.check()?;
-        let mut mesh = simplified.mesh;
-        let origins = refine(&mut mesh, settings.bound.longest_edge());
-        let components = select(&origins, &simplified.components);
-        let represented = represented(&mesh, &surface, &parts_of(&others), control)?;
-        let mesh = Self::without_facets(mesh, components, surface, parents, represented);
+        let others = parts_of(&others);
+        let mesh = Self::of_simplified(simplified, surface, parents, &others, settings, control)?;
         Ok(Self { bundles, ..mesh })
+    }
+
+    /// The simplified mesh, refined, which represents some triangles of the surface.
+    fn of_simplified(
+        simplified: SimplifiedMesh,
+        surface: TriangleMesh,
+        parents: Vec<u32>,
+        some: &[u32],
+        settings: &Settings,
+        control: &Control,
+    ) -> Result<Self, Error> {
+        let (mesh, origins) = refined(simplified.mesh, settings);
+        let components = select(&origins, &simplified.components);
+        let represented = represented(&mesh, &surface, some, control)?;
+        Ok(Self::without_facets(mesh, components, surface, parents, represented))
     }
 
     /// The coarse surface itself, cut into facets.
     fn from_facets(coarse: &Simplification, settings: &Settings) -> Self {
         let Facets { mesh, parents, planes, facets } = facets(&coarse.mesh, settings);
-        let components = parents.iter().map(|&parent| coarse.components[parent as usize]).collect();
+        let components = select(&parents, &coarse.components);
         let (surface, represented) = (mesh.clone(), each_itself(&mesh));
         let bundles = Vec::new();
         Self { mesh, components, surface, parents, represented, facets, planes, bundles }
@@ -184,13 +189,12 @@ impl PatchMesh {
     }
 
     pub(super) fn corners(&self, triangle: u32) -> [Vector; 3] {
-        self.mesh.triangles[triangle as usize].map(|vertex| self.mesh.points()[vertex as usize])
+        self.mesh.corners(self.mesh.triangles[triangle as usize])
     }
 
     /// Twice the area of a triangle times its unit normal.
     pub(super) fn normal(&self, triangle: u32) -> Vector {
-        let [a, b, c] = self.corners(triangle);
-        area_normal(a, b, c)
+        self.mesh.area_normal(triangle)
     }
 }
 
@@ -225,8 +229,7 @@ fn select(indices: &[u32], from: &[u32]) -> Vec<u32> {
 }
 
 /// A surface with its long triangles halved, and for each its parent.
-fn refined(source: &TriangleMesh, settings: &Settings) -> (TriangleMesh, Vec<u32>) {
-    let mut surface = source.clone();
+fn refined(mut surface: TriangleMesh, settings: &Settings) -> (TriangleMesh, Vec<u32>) {
     let parents = refine(&mut surface, settings.bound.longest_edge());
     (surface, parents)
 }

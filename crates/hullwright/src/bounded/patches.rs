@@ -16,7 +16,6 @@ use crate::error::Error;
 use crate::geometry::vector::{Vector, diagonal, sort_by_number};
 use crate::hull::HullBuilder;
 use crate::hull::growing_hull::GrowingHull;
-use crate::mesh::TriangleMesh;
 use crate::mesh::adjacency::{Adjacency, NO_NEIGHBOUR};
 use crate::mesh::grouping::{group, members};
 use crate::parallel;
@@ -59,7 +58,7 @@ pub(crate) fn divide_into_patches(
     control: &Control,
 ) -> Result<Patches, Error> {
     let adjacency = Adjacency::new(&mesh.mesh);
-    let largest = settings.patch_size * area(&mesh).sqrt();
+    let largest = settings.patch_size * mesh.mesh.area().sqrt();
     let division = Division { mesh: &mesh, solid, settings, largest, control };
     let (mut groups, mut are_across_folds) = division.groups(&adjacency)?;
     are_across_folds |= !mesh.bundles.is_empty();
@@ -85,11 +84,16 @@ pub(crate) fn divide_into_patches(
     }
     let neighbours = neighbours(&adjacency, &labels);
     let PatchMesh { mut mesh, surface, parents, bundles, .. } = mesh;
+    let start = mesh.positions.len() as u32;
+    if !bundles.is_empty() {
+        mesh.positions.extend_from_slice(&surface.positions);
+    }
     for seed in bundles {
         let first = patches.len() as u32;
         for bundle in seed {
             labels.resize(labels.len() + bundle.triangles.len(), patches.len() as u32);
-            append(&mut mesh, &surface, &bundle.triangles);
+            let corners = bundle.triangles.iter().map(|&part| surface.triangles[part as usize]);
+            mesh.triangles.extend(corners.map(|corners| corners.map(|vertex| start + vertex)));
             patches.push(bundle);
         }
         seeds.push((first..patches.len() as u32).collect());
@@ -112,17 +116,6 @@ pub(crate) fn divide_into_patches(
         mesh,
         labels,
     })
-}
-
-/// Adds some triangles of another mesh.
-fn append(mesh: &mut TriangleMesh, other: &TriangleMesh, triangles: &[u32]) {
-    let start = mesh.positions.len() as u32;
-    let added = (start..).step_by(3).map(|first| [first, first + 1, first + 2]);
-    mesh.triangles.extend(added.take(triangles.len()));
-    for &triangle in triangles {
-        let corners = other.corners(other.triangles[triangle as usize]);
-        mesh.positions.extend(corners.map(|corner| corner.to_array()));
-    }
 }
 
 /// Pairs of labels with a common edge, ascending.
@@ -347,10 +340,6 @@ impl Division<'_> {
     }
 }
 
-fn area(mesh: &PatchMesh) -> f64 {
-    (0..mesh.mesh.triangles.len() as u32).map(|t| 0.5 * mesh.normal(t).length()).sum()
-}
-
 /// Whether triangles extend farther than `largest`, and not because a single one or a single facet
 /// does.
 fn is_large(mesh: &PatchMesh, triangles: &[u32], largest: f64) -> bool {
@@ -425,6 +414,7 @@ mod tests {
     use super::*;
     use crate::bounded::fixture::{Fixture, cubes, l_prism, u_prism};
     use crate::geometry::vector::as_vectors;
+    use crate::mesh::TriangleMesh;
     use crate::mesh::shapes::{cuboid, join, torus};
     use crate::parameters::{Parameters, Preset};
     use crate::solid::Boundary;

@@ -6,7 +6,7 @@ pub(crate) mod plane;
 pub mod vector;
 
 use crate::error::Error;
-use vector::{Vector, as_vectors, six_volumes};
+use vector::{Vector, area_normal, as_vectors, six_volumes};
 
 pub(crate) use vector::Turns;
 
@@ -251,6 +251,19 @@ impl TriangleMesh {
     #[inline]
     pub(crate) fn corners(&self, triangle: [u32; 3]) -> [Vector; 3] {
         triangle.map(|vertex| self.points()[vertex as usize])
+    }
+
+    /// Twice the area of a triangle times its unit normal.
+    #[inline]
+    pub(crate) fn area_normal(&self, triangle: u32) -> Vector {
+        let [a, b, c] = self.corners(self.triangles[triangle as usize]);
+        area_normal(a, b, c)
+    }
+
+    /// The area of the surface.
+    pub(crate) fn area(&self) -> f64 {
+        let triangles = 0..self.triangles.len() as u32;
+        triangles.map(|triangle| 0.5 * self.area_normal(triangle).length()).sum()
     }
 
     /// Whether the signed volume under the surface, seen from the origin, is not positive.

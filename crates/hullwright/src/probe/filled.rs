@@ -147,15 +147,6 @@ mod tests {
         ])
     }
 
-    fn area(mesh: &TriangleMesh) -> f64 {
-        let corner = |vertex: u32| Vector::from(mesh.positions[vertex as usize]);
-        let area = |&[a, b, c]: &[u32; 3]| {
-            let [a, b, c] = [a, b, c].map(corner);
-            0.5 * (b - a).cross(c - a).length()
-        };
-        mesh.triangles.iter().map(area).sum()
-    }
-
     #[test]
     fn a_cup_whose_mouth_is_thinner_than_the_ball_has_a_lid_where_the_ball_rests_on_its_rim() {
         let radius = 0.3;
@@ -169,7 +160,7 @@ mod tests {
             assert!(z < 0.5 * found.cell, "{z}");
         }
         // It hides the shaft, and is little larger.
-        let lid = area(&found.mesh);
+        let lid = found.mesh.area();
         assert!((0.9 * 0.16..1.5 * 0.16).contains(&lid), "{lid}");
         // Towards the ball.
         for triangle in &found.mesh.triangles {

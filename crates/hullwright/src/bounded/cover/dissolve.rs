@@ -189,7 +189,7 @@ impl Attempt<'_> {
 }
 
 /// Whether each patch of `left` has one of the takers from `first` on that may take it. `known` is
-/// where the last call found it: so few of many are asked again.
+/// where the last call found it: most patches need no other look.
 fn all_have_takers(
     left: &PatchSet,
     takers: &[usize],

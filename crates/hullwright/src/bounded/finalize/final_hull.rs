@@ -9,7 +9,7 @@ use crate::bounded::search::Search;
 use crate::bounded::settings::Settings;
 use crate::bounded::uncovered::{PointBuckets, distance_outside};
 use crate::error::Error;
-use crate::geometry::vector::{Vector, area_normal, as_arrays, bounds};
+use crate::geometry::vector::{Vector, as_arrays, bounds};
 use crate::hull::{ConvexHull, HullBuilder, LEAST_THICKNESS, solid_hull};
 
 /// A hull is built of the points that protrude by more than this fraction of what may be left
@@ -121,8 +121,7 @@ pub(super) fn make_hull(
         None => set.iter().fold(Vector::ZERO, |sum, patch| sum + patches[patch].outward),
         Some(triangles) => {
             let mesh = &patches.surface;
-            let corners = triangles.iter().map(|&t| mesh.corners(mesh.triangles[t as usize]));
-            let normals = corners.map(|[a, b, c]| area_normal(a, b, c));
+            let normals = triangles.iter().map(|&triangle| mesh.area_normal(triangle));
             normals.fold(Vector::ZERO, |a, b| a + b)
         }
     };
