@@ -40,9 +40,9 @@ const MANY_TRIANGLES = 10_000;
 const ATTRIBUTES = { alpha: true, depth: true, stencil: false, preserveDrawingBuffer: true };
 
 /** Whether the processor draws. */
-function isSoftware(gl: WebGL2RenderingContext | null): boolean {
-  const names = gl?.getExtension("WEBGL_debug_renderer_info");
-  const renderer = names ? String(gl?.getParameter(names.UNMASKED_RENDERER_WEBGL)) : "";
+function isSoftware(gl: WebGL2RenderingContext): boolean {
+  const names = gl.getExtension("WEBGL_debug_renderer_info");
+  const renderer = names ? String(gl.getParameter(names.UNMASKED_RENDERER_WEBGL)) : "";
   return /swiftshader|llvmpipe|software/i.test(renderer);
 }
 
@@ -51,9 +51,10 @@ function isSoftware(gl: WebGL2RenderingContext | null): boolean {
 function openCanvas(canvas: HTMLCanvasElement, triangles: number) {
   const isLarge = triangles >= MANY_TRIANGLES;
   const context = canvas.getContext("webgl2", { ...ATTRIBUTES, antialias: !isLarge });
+  if (!context) throw new Error("This browser can't draw in 3D: it has no WebGL 2, or it is switched off.");
   const isHeavy = isLarge && isSoftware(context);
-  if (!isLarge || isHeavy) return { canvas, context: context ?? undefined, isHeavy };
-  context?.getExtension("WEBGL_lose_context")?.loseContext();
+  if (!isLarge || isHeavy) return { canvas, context, isHeavy };
+  context.getExtension("WEBGL_lose_context")?.loseContext();
   const other = canvas.cloneNode() as HTMLCanvasElement;
   canvas.replaceWith(other);
   const smooth = other.getContext("webgl2", { ...ATTRIBUTES, antialias: true });

@@ -307,6 +307,12 @@ test("on a telephone everything fits its width", async ({ browser }) => {
   await context.close();
 });
 
+test("without WebGL the page says what is missing", async ({ page }) => {
+  await page.addInitScript(() => { HTMLCanvasElement.prototype.getContext = () => null; });
+  await page.goto(mug);
+  await expect(page.locator("#message")).toHaveText(/can't draw in 3D.*WebGL 2/);
+});
+
 test("no name of a file, an object, a material or a tool becomes markup or script", async ({ page }) => {
   const named = join(folder, "<img src=x onerror='window.injected=true'>.obj");
   copyFileSync(mesh("hostile.obj"), named);

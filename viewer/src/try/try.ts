@@ -95,9 +95,10 @@ function busy(isBusy: boolean) {
   for (const id of ["drop", "save-hulls", "save-glb", "copy-tag", "copy-js"]) find<HTMLButtonElement>(id).disabled = !shown;
 }
 
-/** Begins anew: what runs is ended. */
+/** Begins anew: what runs is ended, and what falls is of the mesh before. */
 function begin(): Desk {
   working?.end(new Superseded());
+  find<HTMLDialogElement>("physics").close();
   fail(undefined);
   busy(true);
   return (working = new Desk());

@@ -7,7 +7,7 @@ import { createPool, decompose, hullsAt, HullwrightError, measure, mergeTree, re
 import * as direct from "hullwright/direct";
 import { createPool as createPoolOfFiles } from "hullwright/files";
 import { PACKAGE } from "./browser.mjs";
-import { bytesOf, root, stairs } from "./common.mjs";
+import { bytesOf, root, stairs, withMemoryLimit } from "./common.mjs";
 
 const pools = [];
 const pool = (made) => (pools.push(made), made);
@@ -169,6 +169,19 @@ test("a trap becomes an error, and a fresh worker takes the next job", async () 
   const result = await decompose(stairs());
   await refused("trap", /unreachable/, () => measure(stairs(), result));
   assert.deepEqual((await decompose(stairs())).hulls, result.hulls);
+});
+
+test("where memory runs out it is an error that says so, and a fresh worker takes the next job", async () => {
+  const module = await WebAssembly.compile(withMemoryLimit(bytesOf(`${PACKAGE}/dist/hullwright.wasm`), 512));
+  const worker = new URL("../dist/worker.js", import.meta.url);
+  const { decompose } = pool(createPoolOfFiles({ module, worker }));
+  const result = await decompose(stairs());
+  // 32 MB do not hold the corners of a million triangles, and of a hundred thousand not what is made of them.
+  for (const triangles of [1e6, 1e5]) {
+    const positions = Float32Array.from({ length: 9 * triangles }, (_, i) => Math.sin(i * i));
+    await refused("trap", /memory ran out/, () => decompose({ positions }));
+    assert.deepEqual((await decompose(stairs())).hulls, result.hulls);
+  }
 });
 
 test("a worker or a module that is not there is an error of the pool", async () => {

@@ -60,3 +60,27 @@ export function stairs(steps = 4) {
   for (let i = 0; i < steps; i++) for (const face of faces) indices.push(...face.map((corner) => 8 * i + corner));
   return { positions: new Float32Array(positions), indices: new Uint32Array(indices) };
 }
+
+/** A module as its bytes, whose memory does not grow beyond so many pages of 64 kB. */
+export function withMemoryLimit(bytes, pages) {
+  const MEMORY = 5;
+  const leb = (value) => (value < 128 ? [value] : [(value % 128) + 128, ...leb(Math.floor(value / 128))]);
+  let at = 8;
+  const number = () => {
+    const byte = bytes[at++];
+    return byte < 128 ? byte : byte - 128 + 128 * number();
+  };
+  for (;;) {
+    const start = at;
+    const id = bytes[at++];
+    const end = number() + at;
+    if (id !== MEMORY) {
+      at = end;
+      continue;
+    }
+    // One memory without a limit: its flags are zero, then come the pages that it begins with.
+    at += 2;
+    const section = [1, 1, ...leb(number()), ...leb(pages)];
+    return Buffer.concat([bytes.subarray(0, start), Uint8Array.of(MEMORY, ...leb(section.length), ...section), bytes.subarray(end)]);
+  }
+}
