@@ -2,6 +2,8 @@
 
 use hullwright::hulls_format::HullsFile;
 
+use super::level::FewTriangles;
+
 /// What a cache outside of memory has.
 #[allow(dead_code, reason = "a platform's cache answers at once, or later")]
 pub(super) enum Lookup<E> {
@@ -21,7 +23,9 @@ pub(super) enum Answer {
     Missing,
     /// They were made.
     Made(Box<HullsFile>),
-    /// They could not be made there. An error of the method comes again here, with its type.
+    /// A surface was.
+    Simplified(FewTriangles),
+    /// It could not be made there. An error comes again here, with its type.
     Refused,
     /// What made them is gone.
     Trapped,

@@ -9,6 +9,29 @@ use super::request::MeshData;
 use crate::tag::outcomes::DecompositionError;
 use crate::tag::parameters::metres;
 
+/// What simplifying makes of a mesh.
+pub(super) struct FewTriangles {
+    pub positions: Vec<[f32; 3]>,
+    pub triangles: Vec<[u32; 3]>,
+    /// For each triangle one of the mesh.
+    pub sources: Vec<u32>,
+}
+
+impl FewTriangles {
+    /// In the order of the parts of the mesh that it was made of. O(n log n) for n triangles.
+    pub fn in_parts_of(self, data: &MeshData) -> MeshData {
+        let all = self.triangles.into_iter().zip(self.sources);
+        let mut triangles: Vec<(usize, [u32; 3])> =
+            all.map(|(triangle, source)| (data.part_of(source), triangle)).collect();
+        triangles.sort_by_key(|(part, _)| *part);
+        let part_ends = (0..data.part_ends.len())
+            .map(|part| triangles.partition_point(|(other, _)| *other <= part) as u32)
+            .collect();
+        let triangles = triangles.into_iter().map(|(_, triangle)| triangle).collect();
+        MeshData { positions: self.positions, triangles, part_ends }
+    }
+}
+
 /// The same surface with few triangles, in the order of its parts. O(n log n) for n triangles.
 pub(super) fn simplified(
     data: MeshData,
@@ -24,17 +47,10 @@ pub(super) fn simplified(
         }
         made => made?,
     };
-    let all = made.mesh.triangles.iter().zip(&made.sources);
-    let mut triangles: Vec<(usize, [u32; 3])> =
-        all.map(|(triangle, source)| (data.part_of(*source), *triangle)).collect();
-    triangles.sort_by_key(|(part, _)| *part);
-    let part_ends = (0..data.part_ends.len())
-        .map(|part| triangles.partition_point(|(other, _)| *other <= part) as u32)
-        .collect();
-    let triangles = triangles.into_iter().map(|(_, triangle)| triangle).collect();
     // Each vertex has the place of one of the mesh, which is in single precision.
     let positions = made.mesh.positions.iter().map(|point| point.map(|x| x as f32)).collect();
-    Ok(MeshData { positions, triangles, part_ends })
+    let few = FewTriangles { positions, triangles: made.mesh.triangles, sources: made.sources };
+    Ok(few.in_parts_of(&data))
 }
 
 /// A mesh as its asset has it, and where it is in the collider.

@@ -1,5 +1,5 @@
-//! One decomposition, from its triangles to a shape, in steps: on a thread in the background, or
-//! step by step on the main thread.
+//! One collider, from its mesh to a shape, in steps: on a thread in the background, or step by step
+//! on the main thread.
 
 use std::sync::Arc;
 
@@ -65,7 +65,7 @@ pub(super) struct DecompositionTask {
     /// The hash of the mesh that the next step takes.
     hashing: Hashing,
     /// What later steps go on with.
-    work: Option<MeshInProgress>,
+    work: Option<InProgress>,
     map: Affine3A,
     cache: GeometryCache,
     memory_bytes: usize,
@@ -74,12 +74,26 @@ pub(super) struct DecompositionTask {
     runner: Runner,
 }
 
-struct MeshInProgress {
+enum InProgress {
+    Hulls(HullsInProgress),
+    Surface(SurfaceInProgress),
+}
+
+struct HullsInProgress {
     place: Place,
     method: Method,
     data: MeshData,
     key: ContentKey,
     claim: WorkClaim,
+}
+
+/// A mesh that is simplified elsewhere. Nobody else makes the same meanwhile.
+struct SurfaceInProgress {
+    elsewhere: Elsewhere,
+    bound: f32,
+    data: MeshData,
+    key: ContentKey,
+    _claim: WorkClaim,
 }
 
 /// Where a mesh is decomposed.
@@ -113,7 +127,10 @@ impl DecompositionTask {
 
     /// Whether a step does no more than look for an answer.
     pub(super) fn awaits_answer(&self) -> bool {
-        let is_elsewhere = |work: &MeshInProgress| matches!(work.place, Place::Elsewhere(_));
+        let is_elsewhere = |work: &InProgress| match work {
+            InProgress::Hulls(work) => matches!(work.place, Place::Elsewhere(_)),
+            InProgress::Surface(_) => true,
+        };
         self.hashing.is_pending() || self.work.as_ref().is_some_and(is_elsewhere)
     }
 
@@ -161,7 +178,10 @@ impl DecompositionTask {
                     Ok(None)
                 }
             },
-            None => self.decompose(control),
+            None => match self.work.take().ok_or(Error::Finished)? {
+                InProgress::Hulls(work) => self.decompose(work, control),
+                InProgress::Surface(work) => self.simplify(work, control),
+            },
         })
     }
 
@@ -190,12 +210,15 @@ impl DecompositionTask {
             return Ok(Some(TaskOutput::Wait(key)));
         };
         let geometry = match goal {
-            Goal::Triangles { bound, .. } => {
-                let data = match bound {
-                    Some(bound) => simplified(data, *bound, control)?,
-                    None => data,
-                };
-                ColliderGeometry::Triangles(data).into()
+            Goal::Triangles { bound: None, .. } => ColliderGeometry::Triangles(data).into(),
+            Goal::Triangles { bound: Some(bound), .. } => {
+                let bound = *bound;
+                if let Some(elsewhere) = self.runner.simplify(&data, bound) {
+                    let work = SurfaceInProgress { elsewhere, bound, data, key, _claim: claim };
+                    self.work = Some(InProgress::Surface(work));
+                    return Ok(None);
+                }
+                ColliderGeometry::Triangles(simplified(data, bound, control)?).into()
             }
             Goal::Primitive(kind) => ColliderGeometry::Primitive(*kind, data).into(),
             Goal::Hulls(method) => {
@@ -208,7 +231,8 @@ impl DecompositionTask {
                     Lookup::Missing => self.place(&data, method, control)?,
                 };
                 let method = method.clone();
-                self.work = Some(MeshInProgress { place, method, data, key, claim });
+                let work = HullsInProgress { place, method, data, key, claim };
+                self.work = Some(InProgress::Hulls(work));
                 return Ok(None);
             }
         };
@@ -221,14 +245,13 @@ impl DecompositionTask {
         method: &Method,
         control: &Control,
     ) -> Result<Place, DecompositionError> {
-        if let Some(started) = self.runner.start(data, method) {
+        if let Some(started) = self.runner.decompose(data, method) {
             return Ok(Place::Elsewhere(started));
         }
         Ok(Place::Here(method.decomposer(data.view(), control)?))
     }
 
-    fn decompose(&mut self, control: &Control) -> StepResult {
-        let mut work = self.work.take().ok_or(Error::Finished)?;
+    fn decompose(&mut self, mut work: HullsInProgress, control: &Control) -> StepResult {
         let file = match &mut work.place {
             Place::Here(decomposer) => match decomposer.step()? {
                 None => None,
@@ -249,7 +272,8 @@ impl DecompositionTask {
                     work.place = self.place(&work.data, &work.method, control)?;
                     None
                 }
-                Answer::Refused => {
+                // Hulls were asked for.
+                Answer::Refused | Answer::Simplified(_) => {
                     work.place = Place::Here(work.method.decomposer(work.data.view(), control)?);
                     None
                 }
@@ -257,10 +281,10 @@ impl DecompositionTask {
             },
         };
         let Some(file) = file else {
-            self.work = Some(work);
+            self.work = Some(InProgress::Hulls(work));
             return Ok(None);
         };
-        let MeshInProgress { key, claim, data, .. } = work;
+        let HullsInProgress { key, claim, data, .. } = work;
         if let Some(cache) = &self.disk_cache {
             cache.write(key, &file);
         }
@@ -268,6 +292,23 @@ impl DecompositionTask {
         // Only now that the cache has the result: whoever waits for the claim looks there.
         drop(claim);
         output
+    }
+
+    fn simplify(&mut self, work: SurfaceInProgress, control: &Control) -> StepResult {
+        let data = match work.elsewhere.answer() {
+            Answer::Pending => {
+                self.work = Some(InProgress::Surface(work));
+                return Ok(None);
+            }
+            Answer::Trapped => return Err(DecompositionError::Panicked),
+            Answer::Simplified(few) => few.in_parts_of(&work.data),
+            // Triangles were asked for, or there is an error to be told.
+            Answer::Found(_) | Answer::Missing | Answer::Made(_) | Answer::Refused => {
+                simplified(work.data, work.bound, control)?
+            }
+        };
+        let geometry = ColliderGeometry::Triangles(data);
+        self.build(work.key, geometry.into(), HullSource::Decomposed)
     }
 
     fn build(

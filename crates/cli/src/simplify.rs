@@ -30,7 +30,7 @@ pub struct Arguments {
     #[arg(
         long,
         value_name = "LENGTH",
-        default_value = "0.5%",
+        default_value_t = SimplifyParameters::default().max_error,
         hide_default_value = true,
         allow_hyphen_values = true
     )]

@@ -131,6 +131,7 @@ mod part_shares;
 mod probe;
 mod simplify_surface;
 mod solid;
+mod sorting;
 mod stages;
 mod summary;
 pub mod surface;

@@ -49,9 +49,8 @@ pub(crate) fn map_largest_first<T: Sync, R: Send>(
     if threads() > 1 {
         order.sort_by_key(|&index| std::cmp::Reverse(size(&items[index])));
     }
-    let mut results = map_until(&order, |&index| (index, function(&items[index])), |_| false);
-    results.sort_by_key(|&(index, _)| index);
-    results.into_iter().map(|(_, result)| result).collect()
+    let results = map_until(&order, |&index| (index, function(&items[index])), |_| false);
+    in_order(items.len(), results)
 }
 
 /// Applies `function` to items in order, one after the other on each thread, up to the first result
@@ -79,10 +78,18 @@ pub(crate) fn map_until<T: Sync, R: Send>(
         }
         results
     });
-    let mut results: Vec<(usize, R)> = on_each_thread.into_iter().flatten().collect();
-    results.sort_by_key(|&(index, _)| index);
+    let mut results = in_order(items.len(), on_each_thread.into_iter().flatten());
     results.truncate(last.into_inner() + 1);
-    results.into_iter().map(|(_, result)| result).collect()
+    results
+}
+
+/// Results by their indices, of which all are different.
+fn in_order<R>(count: usize, results: impl IntoIterator<Item = (usize, R)>) -> Vec<R> {
+    let mut places: Vec<Option<R>> = (0..count).map(|_| None).collect();
+    for (index, result) in results {
+        places[index] = Some(result);
+    }
+    places.into_iter().flatten().collect()
 }
 
 /// A fold over items in order: `function` is applied to those for which `needs` holds in the state

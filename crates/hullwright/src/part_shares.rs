@@ -6,6 +6,7 @@ use crate::error::Error;
 use crate::geometry::MeshView;
 use crate::geometry::plane::Plane;
 use crate::geometry::vector::{Vector, area_normal, bounds, centre};
+use crate::sorting::{sort_by, sort_by_key};
 
 /// How much of a hull is made of one part of a mesh.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -160,7 +161,7 @@ fn middle(hull: &Hull) -> Vector {
 }
 
 fn shares(mut areas: Vec<(u32, f64)>) -> Vec<PartShare> {
-    areas.sort_by_key(|&(part, _)| part);
+    sort_by_key(&mut areas, |&(part, _)| part);
     let mut shares: Vec<PartShare> = Vec::new();
     for (part, area) in areas {
         match shares.last_mut() {
@@ -170,7 +171,7 @@ fn shares(mut areas: Vec<(u32, f64)>) -> Vec<PartShare> {
     }
     let whole: f64 = shares.iter().map(|share| share.share).sum();
     shares.iter_mut().for_each(|share| share.share /= whole);
-    shares.sort_by(|a, b| b.share.total_cmp(&a.share).then(a.part.cmp(&b.part)));
+    sort_by(&mut shares, |a, b| b.share.total_cmp(&a.share).then(a.part.cmp(&b.part)));
     shares
 }
 

@@ -19,6 +19,7 @@ use crate::merge_tree::CurvePoint;
 use crate::mesh::Repairs;
 use crate::method::MethodReport;
 use crate::openings::{Opening, OpeningOutcome};
+use crate::sorting::{sort_by, sort_by_key};
 use crate::surface::SurfaceReport;
 
 impl<R: Clone + Into<MethodReport>> Decomposition<R> {
@@ -232,7 +233,7 @@ impl Display for Inspection {
             [edges.to_string(), number(area), point(centre), outcome.to_string()]
         };
         let mut largest: Vec<&Opening> = self.openings.iter().collect();
-        largest.sort_by(|a, b| b.area.total_cmp(&a.area));
+        sort_by(&mut largest, |a, b| b.area.total_cmp(&a.area));
         let rest = largest.split_off(largest.len().min(MOST_OPENINGS));
         let rows: Vec<[String; 4]> =
             std::iter::once(header).chain(largest.into_iter().map(row)).collect();
@@ -459,7 +460,7 @@ fn openings(openings: &[Opening]) -> Option<String> {
             None => counts.push((opening.outcome, 1)),
         }
     }
-    counts.sort_by_key(|&(outcome, count)| (!outcome.is_closed(), Reverse(count)));
+    sort_by_key(&mut counts, |&(outcome, count)| (!outcome.is_closed(), Reverse(count)));
     let texts: Vec<String> =
         counts.iter().map(|(outcome, count)| format!("{count} {outcome}")).collect();
     (!texts.is_empty()).then(|| texts.join(", "))

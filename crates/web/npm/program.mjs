@@ -29,10 +29,13 @@ export function copyWorker(folder) {
 /** Counts what workers answer: what is done without them has the same hulls. Runs in the page. */
 export function countAnswers() {
   const { Worker } = window;
-  window.answers = 0;
+  Object.assign(window, { answers: 0, surfaces: 0 });
   window.Worker = function (script) {
     const worker = new Worker(script);
-    worker.addEventListener("message", ({ data }) => (window.answers += Number("value" in data)));
+    worker.addEventListener("message", ({ data: { value } }) => {
+      window.answers += Number(value?.hullsFile !== undefined);
+      window.surfaces += Number(value?.sources !== undefined);
+    });
     return worker;
   };
 }

@@ -9,6 +9,7 @@
 //! | file | contents |
 //! |---|---|
 //! | `calls` | decompose, measure, join |
+//! | `surface` | simplify |
 //! | `readers` | mesh files (feature `readers`) |
 //! | `page` | a decomposition that stays, with all that a page shows of it (feature `page`) |
 //! | `hulls` | hulls in single precision, and in double precision from files |
@@ -23,6 +24,7 @@ mod mesh;
 mod page;
 #[cfg(feature = "readers")]
 mod readers;
+mod surface;
 
 pub use calls::{Decomposed, Joined, algorithm_version, decompose, measure, merge_tree, start};
 pub use hulls::{HullArrays, HullList};
@@ -31,3 +33,4 @@ pub use mesh::Mesh;
 pub use page::Shown;
 #[cfg(feature = "readers")]
 pub use readers::MeshReader;
+pub use surface::{Simplified, simplify};

@@ -1,7 +1,7 @@
 //! The plugin in a browser: a game without a window, whose page counts and times the frames.
 //!
-//! 300 props take baked hulls by their names, and 50 are decomposed; or all have boxes instead, for
-//! comparison.
+//! 300 props take baked hulls by their names, 50 are decomposed, and 8 pieces of ground are
+//! simplified; or all have boxes instead, for comparison.
 #![cfg(all(target_family = "wasm", target_os = "unknown"))]
 
 use std::cell::Cell;
@@ -23,6 +23,12 @@ use web_time::Instant;
 const BAKED: usize = 300;
 
 const DECOMPOSED: usize = 50;
+
+/// Pieces of ground, which never move.
+const GROUNDS: usize = 8;
+
+/// How far the ground that is touched may be from the one that is seen, in metres.
+const GROUND_BOUND: f32 = 0.02;
 
 /// A cache in which some results have room.
 const SMALL_CACHE: u64 = 64 << 10;
@@ -87,6 +93,19 @@ impl Game {
                 }
             };
         }
+        let mut meshes = app.world_mut().resource_mut::<Assets<Mesh>>();
+        let grounds: Vec<_> = (0..GROUNDS).map(|number| meshes.add(ground(number))).collect();
+        for (number, mesh) in grounds.into_iter().enumerate() {
+            let place = Transform::from_xyz(DISTANCE * number as f32, -20.0, 0.0);
+            let mut ground = app.world_mut().spawn((RigidBody::Fixed, place));
+            match is_boxes {
+                true => ground.insert(Collider::cuboid(4.0, 0.1, 4.0)),
+                false => ground.insert((
+                    Mesh3d(mesh),
+                    ConvexDecomposition::default().with_level_bound(GROUND_BOUND),
+                )),
+            };
+        }
         Game { app }
     }
 
@@ -98,9 +117,11 @@ impl Game {
     /// Despawns all props that are not finished, and spawns another one.
     pub fn replace_unfinished(&mut self) {
         let world = self.app.world_mut();
-        let mut props = world.query::<(Entity, &DecompositionStatus)>();
-        let unfinished = props.iter(world).filter(|(_, status)| !status.is_finished());
-        let unfinished: Vec<Entity> = unfinished.map(|(entity, _)| entity).collect();
+        let mut props = world.query::<(Entity, &RigidBody, &DecompositionStatus)>();
+        let unfinished = props
+            .iter(world)
+            .filter(|(_, body, status)| **body == RigidBody::Dynamic && !status.is_finished());
+        let unfinished: Vec<Entity> = unfinished.map(|(entity, ..)| entity).collect();
         for entity in unfinished {
             world.despawn(entity);
         }
@@ -108,18 +129,22 @@ impl Game {
         world.spawn((RigidBody::Dynamic, Mesh3d(mesh), ConvexDecomposition::default()));
     }
 
-    /// JSON: how many props have their hulls, and where from.
+    /// JSON: how many props have their hulls, and where from; pieces of ground that were
+    /// simplified, and the triangles of all.
     pub fn counters(&mut self) -> String {
         let counters = self.app.world().resource::<DecompositionCounters>();
         let (baked, decomposed) = (counters.baked, counters.decomposed);
-        let cached = counters.from_disk;
+        let (cached, simplified) = (counters.from_disk, counters.simplified);
         let world = self.app.world_mut();
         let mut statuses = world.query::<&DecompositionStatus>();
         let left = statuses.iter(world).filter(|status| !status.is_finished()).count();
         let failed =
             statuses.iter(world).filter(|status| status.has_collider() == Some(false)).count();
+        let mut colliders = world.query::<&Collider>();
+        let grounds = colliders.iter(world).filter_map(Collider::as_trimesh);
+        let triangles: usize = grounds.map(|mesh| mesh.indices().len()).sum();
         let plugin = 1e3 * TAKEN.get().as_secs_f64();
-        json!({ "plugin": plugin, "baked": baked, "decomposed": decomposed, "cached": cached, "left": left, "failed": failed })
+        json!({ "plugin": plugin, "baked": baked, "decomposed": decomposed, "cached": cached, "simplified": simplified, "triangles": triangles, "left": left, "failed": failed })
             .to_string()
     }
 }
@@ -150,13 +175,34 @@ fn bumpy_ring(number: usize) -> Mesh {
         [out * u.cos(), thick * v.sin(), out * u.sin()]
     };
     let all = (0..around).flat_map(|i| (0..across).map(move |j| (i, j)));
-    let positions: Vec<[f32; 3]> = all.clone().map(|(i, j)| point(i, j)).collect();
+    let positions = all.clone().map(|(i, j)| point(i, j)).collect();
     let at = |i: u32, j: u32| (i % around) * across + j % across;
     let indices = all.flat_map(|(i, j)| {
         let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
         [a, c, b, a, d, c]
     });
+    mesh(positions, indices.collect())
+}
+
+/// Hills on a square of 8 m, of 20,000 triangles.
+fn ground(number: usize) -> Mesh {
+    const CELLS: u32 = 100;
+    let point = |i: u32, j: u32| {
+        let [x, z] = [i, j].map(|k| 8.0 * k as f32 / CELLS as f32 - 4.0);
+        let shift = number as f32;
+        [x, 0.3 * (1.3 * x + shift).sin() * (0.9 * z - shift).cos(), z]
+    };
+    let positions = (0..=CELLS).flat_map(|i| (0..=CELLS).map(move |j| point(i, j))).collect();
+    let at = |i: u32, j: u32| i * (CELLS + 1) + j;
+    let indices = (0..CELLS).flat_map(|i| (0..CELLS).map(move |j| (i, j))).flat_map(|(i, j)| {
+        let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
+        [a, c, b, a, d, c]
+    });
+    mesh(positions, indices.collect())
+}
+
+fn mesh(positions: Vec<[f32; 3]>, indices: Vec<u32>) -> Mesh {
     Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::default())
         .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, positions)
-        .with_inserted_indices(Indices::U32(indices.collect()))
+        .with_inserted_indices(Indices::U32(indices))
 }

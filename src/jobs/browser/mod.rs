@@ -1,5 +1,5 @@
-//! Where there are no threads: meshes are decomposed in Web Workers, hashed by the browser, and
-//! what is made is kept in its database. `native` has the same items.
+//! Where there are no threads: meshes are decomposed and simplified in Web Workers, hashed by the
+//! browser, and hulls are kept in its database. `native` has the same items.
 
 mod database;
 mod digest;
@@ -7,6 +7,7 @@ mod worker;
 
 use bevy::tasks::TaskPoolBuilder;
 use hullwright::Method;
+use hullwright::SimplifyParameters;
 use hullwright::hulls_format::MeshHash;
 
 pub(super) use self::database::{DiskCache, DiskState};
@@ -15,6 +16,7 @@ pub(super) use self::worker::processors;
 use super::elsewhere::{Answer, Lookup};
 use super::progress::SharedProgress;
 use super::request::{ContentKey, MeshData};
+use crate::tag::parameters::metres;
 use crate::tag::settings::{BudgetSettings, Execution};
 
 /// The hash of a mesh, which the browser makes.
@@ -47,7 +49,7 @@ pub(super) fn look(cache: &DiskCache, key: ContentKey) -> Lookup<Elsewhere> {
     look.map_or(Lookup::Missing, Lookup::Pending)
 }
 
-/// Where the hulls of a mesh come from.
+/// Where hulls or triangles come from.
 pub(super) enum Elsewhere {
     InWorker(worker::Call),
     /// Nowhere yet: they may be in the cache.
@@ -60,6 +62,7 @@ impl Elsewhere {
             Self::InWorker(call) => match call.answer() {
                 worker::Answer::Pending => Answer::Pending,
                 worker::Answer::Hulls(file) => Answer::Made(file),
+                worker::Answer::Surface(few) => Answer::Simplified(few),
                 worker::Answer::Trapped => Answer::Trapped,
                 // Or the worker was short of memory, or there was none.
                 worker::Answer::Refused => Answer::Refused,
@@ -82,13 +85,25 @@ impl Runner {
         Self(is_in_worker.then(|| (budget.worker_folder.clone(), progress.clone())))
     }
 
-    pub(super) fn start(&self, data: &MeshData, method: &Method) -> Option<Elsewhere> {
-        let (Some((folder, progress)), Method::Bounded(parameters)) = (&self.0, method) else {
-            return None;
-        };
+    pub(super) fn decompose(&self, data: &MeshData, method: &Method) -> Option<Elsewhere> {
+        let Method::Bounded(parameters) = method else { return None };
+        self.start("decompose", data, parameters.to_string())
+    }
+
+    pub(super) fn simplify(&self, data: &MeshData, bound: f32) -> Option<Elsewhere> {
+        self.start("simplify", data, SimplifyParameters::new(metres(bound)).to_string())
+    }
+
+    fn start(
+        &self,
+        function: &'static str,
+        data: &MeshData,
+        parameters: String,
+    ) -> Option<Elsewhere> {
+        let (folder, progress) = self.0.as_ref()?;
         let progress = progress.clone();
         let heard = move |fraction| progress.set(fraction);
-        let call = worker::Call::start(folder, data, parameters.to_string(), heard);
+        let call = worker::Call::start(folder, function, data, parameters, heard);
         call.map(Elsewhere::InWorker)
     }
 }

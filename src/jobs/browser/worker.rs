@@ -1,5 +1,5 @@
-//! Web workers, in which a browser's jobs are decomposed: the module of the npm package, and a
-//! worker for each decomposition at once. A frame only asks whether they have answered.
+//! Web workers, in which a browser's jobs are decomposed or simplified: the module of the npm
+//! package, and a worker for each mesh at once. A frame only asks whether they have answered.
 //!
 //! JavaScript's values stay on their thread, so what is here belongs to the thread of the game, and
 //! a [`Call`] names what it waits for by a number.
@@ -9,13 +9,16 @@ use std::collections::HashMap;
 use std::time::Duration;
 
 use bevy::platform::time::Instant;
+use hullwright::ALGORITHM_VERSION;
 use hullwright::hulls_format::HullsFile;
 use js_sys::{
-    Array, Float32Array, Function, Object, Reflect, Uint8Array, Uint32Array, WebAssembly,
+    Array, Float32Array, Float64Array, Function, Object, Reflect, Uint8Array, Uint32Array,
+    WebAssembly,
 };
 use wasm_bindgen::prelude::{Closure, JsCast, JsValue};
 use web_sys::{MessageEvent, Response};
 
+use crate::jobs::level::FewTriangles;
 use crate::jobs::request::MeshData;
 
 /// The files of the npm package that a game ships.
@@ -29,7 +32,7 @@ const LOAD_LIMIT: Duration = Duration::from_secs(30);
 /// Longer than pauses in a level that loads; a fresh worker takes some 10 ms of its own thread.
 const IDLE: Duration = Duration::from_secs(5);
 
-/// A decomposition in a worker. Dropped before it is done, it ends the worker.
+/// A mesh in a worker. Dropped before it is done, it ends the worker.
 #[derive(Debug)]
 pub(in crate::jobs) struct Call(u64);
 
@@ -37,14 +40,17 @@ pub(in crate::jobs) struct Call(u64);
 pub(super) enum Answer {
     Pending,
     Hulls(Box<HullsFile>),
+    Surface(FewTriangles),
     /// The worker's memory is not enough, or its code panicked.
     Trapped,
-    /// The method gave an error, or there is no worker for it: it is to be done here.
+    /// There was an error, or there is no worker for it: it is to be done here.
     Refused,
 }
 
 /// What is sent to a worker.
 struct Request {
+    /// What is called of the package.
+    function: &'static str,
     mesh: Object,
     buffers: Array,
     parameters: String,
@@ -109,10 +115,12 @@ pub(in crate::jobs) fn processors() -> usize {
 }
 
 impl Call {
-    /// Asks for hulls of a mesh, with mass properties at a density of 1, from a worker whose files
-    /// are in `folder`. Nothing where there are no workers.
+    /// Asks a worker, whose files are in `folder`, for what a function of the package makes of a
+    /// mesh: hulls, with mass properties at a density of 1, or few triangles. Nothing where there
+    /// are no workers.
     pub(super) fn start(
         folder: &str,
+        function: &'static str,
         data: &MeshData,
         parameters: String,
         progress: impl Fn(f32) + 'static,
@@ -126,7 +134,8 @@ impl Call {
             ("indices", indices.into()),
             ("doubleSided", sidedness.into()),
         ]);
-        let request = Request { mesh, buffers, parameters, progress: Box::new(progress) };
+        let progress = Box::new(progress);
+        let request = Request { function, mesh, buffers, parameters, progress };
         WORKERS.with_borrow_mut(|workers| {
             if matches!(workers.module, Module::Missing) {
                 return None;
@@ -214,7 +223,7 @@ impl Workers {
         if !matches!(self.module, Module::Missing) {
             let [script, module] = FILES.map(|file| self.address(file));
             log::warn!(
-                "no workers for convex decompositions, which are made in slices: {reason}. A game \
+                "no workers: meshes are decomposed in slices, and simplified at once: {reason}. A game \
                  ships {script} and {module} of the npm package `hullwright`"
             );
         }
@@ -231,7 +240,9 @@ impl Workers {
             return self.give_up(reason);
         }
         let Seat { call, .. } = self.seats.remove(index);
-        log::warn!("a mesh is decomposed in slices, since its worker has ended: {reason}");
+        log::warn!(
+            "a mesh is taken on the game's own thread, since its worker has ended: {reason}"
+        );
         if let Some(call) = call {
             self.progress.remove(&call);
             self.answers.insert(call, Answer::Refused);
@@ -280,7 +291,7 @@ impl Workers {
         let Some(seat) = self.seats.get_mut(index) else { return Ok(()) };
         let arguments = Array::of2(&request.mesh, &request.parameters.as_str().into());
         let mut message = vec![
-            ("call", "decompose".into()),
+            ("call", request.function.into()),
             ("args", arguments.into()),
             ("isHeard", JsValue::TRUE),
         ];
@@ -310,11 +321,9 @@ impl Workers {
             }
             return;
         }
-        let file = get(message, "value").and_then(|value| get(&value, "hullsFile"));
-        let answer = match file.map(|file| HullsFile::from_bytes(&Uint8Array::new(&file).to_vec()))
-        {
-            Some(Ok(file)) if file.is_current() => Answer::Hulls(Box::new(file)),
-            Some(_) => return self.give_up("the module is of another version"),
+        let answer = match get(message, "value").map(|value| made(&value)) {
+            Some(Some(answer)) => answer,
+            Some(None) => return self.give_up("the module is of another version"),
             None if code.as_deref() == Some("trap") => Answer::Trapped,
             None => Answer::Refused,
         };
@@ -352,6 +361,25 @@ impl Drop for Seat {
     fn drop(&mut self) {
         self.worker.terminate();
     }
+}
+
+/// What a worker has made; nothing if its module is of another version.
+fn made(value: &JsValue) -> Option<Answer> {
+    if let Some(file) = get(value, "hullsFile") {
+        let file = HullsFile::from_bytes(&Uint8Array::new(&file).to_vec()).ok()?;
+        return file.is_current().then(|| Answer::Hulls(Box::new(file)));
+    }
+    let version = get(&get(value, "report")?, "algorithmVersion")?.as_f64()?;
+    let numbers = |name| Some(Uint32Array::new(&get(value, name)?).to_vec());
+    let positions = Float64Array::new(&get(value, "positions")?).to_vec();
+    // Each vertex has the place of one of the mesh, which is in single precision.
+    let positions = positions.as_chunks().0.iter().map(|point: &[f64; 3]| point.map(|x| x as f32));
+    let few = FewTriangles {
+        positions: positions.collect(),
+        triangles: numbers("indices")?.as_chunks().0.to_vec(),
+        sources: numbers("sources")?,
+    };
+    (version == f64::from(ALGORITHM_VERSION)).then_some(Answer::Surface(few))
 }
 
 /// Takes events of any worker.

@@ -53,7 +53,11 @@ impl Runner {
         Self
     }
 
-    pub(super) fn start(&self, _: &MeshData, _: &Method) -> Option<Elsewhere> {
+    pub(super) fn decompose(&self, _: &MeshData, _: &Method) -> Option<Elsewhere> {
+        None
+    }
+
+    pub(super) fn simplify(&self, _: &MeshData, _: f32) -> Option<Elsewhere> {
         None
     }
 }

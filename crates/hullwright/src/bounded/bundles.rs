@@ -2,14 +2,15 @@
 //! hull fits become one patch.
 //!
 //! Takes the coarse surface and its solid. Halves all components by their places until the hull of
-//! each part fits: a seed. Its parts are halved on until none is larger than a patch may be. O(n
-//! log n) for n triangles, and a fit test for each part whose middle is not empty.
+//! each part fits: a seed. Its parts are halved on until none is larger than a patch may be, which
+//! is more where there would be too many. O(n log n) for n triangles, and a fit test for each part
+//! whose middle is not empty.
 
 use super::patch::far_pair;
 use super::settings::Settings;
 use crate::control::Control;
 use crate::error::Error;
-use crate::geometry::vector::{Vector, halves, mean};
+use crate::geometry::vector::{Vector, diagonal, halves, mean};
 use crate::hull::growing_hull::GrowingHull;
 use crate::mesh::TriangleMesh;
 use crate::mesh::grouping::members;
@@ -19,6 +20,13 @@ use crate::solid::{FitTester, Solid};
 /// Components of a part that are compared with each other: where a point halfway between two of
 /// them is outside, the hull of the part is not even built.
 const MAX_COMPARED: usize = 16;
+
+/// Bundles that the search takes in less time than what else it does. Slivers that are all longer
+/// than a patch may be would each be one: 13,600 of a grille took 8 s, and had 10 hulls.
+const MOST_BUNDLES: usize = 3000;
+
+/// The factor by which patches become larger at a time.
+const GROWTH: f64 = 1.5;
 
 /// A component, and where it is.
 struct Component {
@@ -35,7 +43,6 @@ pub(super) struct Bundle {
 }
 
 /// The components of a surface.
-#[derive(Default)]
 pub(super) struct Bundles {
     /// Bundles of one hull that fits.
     pub seeds: Vec<Vec<Bundle>>,
@@ -64,39 +71,33 @@ pub(super) fn bundle(
     let bound = settings.bound.search();
     let tester = FitTester::new(solid, bound);
     let mut bundling = Bundling { mesh, components: &components, solid, bound, tester };
-    let largest = settings.patch_size * mesh.area().sqrt();
-    let mut found = Bundles::default();
-    let mut stack = vec![(Vec::from_iter(0..components.len() as u32), false)];
-    while let Some((mut part, is_in_seed)) = stack.pop() {
+    let mut fitting: Vec<Vec<u32>> = Vec::new();
+    let mut others: Vec<u32> = Vec::new();
+    let mut stack = vec![Vec::from_iter(0..components.len() as u32)];
+    while let Some(part) = stack.pop() {
         control.check()?;
-        let hull = match is_in_seed {
-            true => Some(bundling.hull(&part, &bundling.points(&part))),
-            false => bundling.fitting(&part),
-        };
-        let fits = hull.is_some();
-        if fits && !is_in_seed {
-            // Its parts are next on the stack.
-            found.seeds.push(Vec::new());
-        }
-        let is_patch =
-            |hull: &GrowingHull| part.len() == 1 || hull.max.distance(hull.min) <= largest;
-        if let Some(hull) = hull.filter(is_patch) {
-            let mut triangles: Vec<u32> = bundling.triangles(&part).collect();
-            triangles.sort_unstable();
-            let bundle = Bundle { triangles, hull };
-            if let Some(seed) = found.seeds.last_mut() {
-                seed.push(bundle);
-            }
+        if bundling.fits(&part) {
+            fitting.push(part);
         } else if part.len() == 1 {
-            found.others.extend(bundling.triangles(&part));
+            others.extend(bundling.triangles(&part));
         } else {
-            let centre = |&component: &u32| components[component as usize].centre;
-            let (first, second) = halves(&mut part, centre);
-            stack.extend([second, first].map(|half| (half.to_vec(), fits)));
+            stack.extend(bundling.halved(part));
         }
     }
-    found.others.sort_unstable();
-    Ok(found)
+    others.sort_unstable();
+    let mut largest = settings.patch_size * mesh.area().sqrt();
+    loop {
+        let seeds: Result<Vec<Vec<Bundle>>, Error> = fitting
+            .iter()
+            .map(|seed| control.check().map(|()| bundling.divided(seed, largest)))
+            .collect();
+        let seeds = seeds?;
+        let count: usize = seeds.iter().map(Vec::len).sum();
+        if count <= MOST_BUNDLES.max(fitting.len()) {
+            return Ok(Bundles { seeds, others });
+        }
+        largest *= GROWTH;
+    }
 }
 
 struct Bundling<'a> {
@@ -116,24 +117,48 @@ impl Bundling<'_> {
         self.mesh.positions_of(self.triangles(part))
     }
 
-    /// The joint hull of components, if it fits.
-    fn fitting(&mut self, part: &[u32]) -> Option<GrowingHull> {
+    /// Whether the joint hull of components fits.
+    fn fits(&mut self, part: &[u32]) -> bool {
         let separates = |a, b| self.solid.separates(a, b, self.bound);
         let some = part.iter().step_by(part.len().div_ceil(MAX_COMPARED).max(1));
         let centres: Vec<Vector> = some.map(|&one| self.components[one as usize].centre).collect();
         let is_separated =
             |(index, &a): (usize, &Vector)| centres[..index].iter().any(|&b| separates(a, b));
         if centres.iter().enumerate().any(is_separated) {
-            return None;
+            return false;
         }
         let points = self.points(part);
         if let [a, b] = far_pair(&points)[..]
             && separates(a, b)
         {
-            return None;
+            return false;
         }
         let hull = self.hull(part, &points);
-        self.tester.fits(&hull, false).then_some(hull)
+        self.tester.fits(&hull, false)
+    }
+
+    /// The bundles of a seed: parts that are single, or no larger than this.
+    fn divided(&self, seed: &[u32], largest: f64) -> Vec<Bundle> {
+        let mut bundles = Vec::new();
+        let mut stack = vec![seed.to_vec()];
+        while let Some(part) = stack.pop() {
+            let points = self.points(&part);
+            if part.len() > 1 && diagonal(points.iter().copied()) > largest {
+                stack.extend(self.halved(part));
+                continue;
+            }
+            let mut triangles: Vec<u32> = self.triangles(&part).collect();
+            triangles.sort_unstable();
+            bundles.push(Bundle { triangles, hull: self.hull(&part, &points) });
+        }
+        bundles
+    }
+
+    /// Both halves, the first last.
+    fn halved(&self, mut part: Vec<u32>) -> [Vec<u32>; 2] {
+        let centre = |&component: &u32| self.components[component as usize].centre;
+        let (first, second) = halves(&mut part, centre);
+        [second.to_vec(), first.to_vec()]
     }
 
     fn hull(&self, part: &[u32], points: &[Vector]) -> GrowingHull {
@@ -191,6 +216,25 @@ mod tests {
             side([3.5, 0.51, 0.0], [4.0, 3.49, 0.5]),
         ];
         assert_eq!(bundled(&join(&frame)).0.len(), 4);
+    }
+
+    #[test]
+    fn slivers_longer_than_a_patch_are_bundled_where_there_are_too_many() {
+        // Thin planks side by side, as long as the whole.
+        let plank = |i: usize| {
+            let x = i as f64 * 1e-4;
+            cuboid([x, 0.0, 0.0], [x + 9e-5, 1.0, 1e-3])
+        };
+        let count = |planks: usize| {
+            let fixture = Fixture::new(&join(&Vec::from_iter((0..planks).map(plank))), 0.02);
+            let (coarse, solid) = (&fixture.surfaces.coarse, &fixture.solids.coarse);
+            let found = bundle(coarse, solid, &fixture.settings, &fixture.control).unwrap();
+            (found.seeds.len(), found.seeds.iter().map(Vec::len).sum::<usize>())
+        };
+        assert_eq!(count(2000), (1, 2000));
+        let (seeds, bundles) = count(4000);
+        assert_eq!(seeds, 1);
+        assert!(bundles <= MOST_BUNDLES, "{bundles}");
     }
 
     #[test]

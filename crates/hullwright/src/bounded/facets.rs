@@ -14,10 +14,11 @@
 use super::cuts::{CutMesh, cut};
 use super::settings::Settings;
 use crate::geometry::plane::Plane;
-use crate::geometry::vector::{Vector, sort_by_number};
+use crate::geometry::vector::Vector;
 use crate::mesh::TriangleMesh;
 use crate::mesh::adjacency::{Adjacency, NO_NEIGHBOUR};
 use crate::mesh::refine::edge;
+use crate::sorting::{sort_by, sort_by_number};
 
 /// Vertices this near to a plane are in it, as a fraction of the bound. A hull may leave as much
 /// uncovered.
@@ -247,7 +248,7 @@ fn notches(
             }
         }
     }
-    notches.sort_by(|a, b| b.weight.total_cmp(&a.weight).then(a.edge.cmp(&b.edge)));
+    sort_by(&mut notches, |a, b| b.weight.total_cmp(&a.weight).then(a.edge.cmp(&b.edge)));
     notches.truncate(MAX_NOTCHES);
     unify_planes(mesh, groups, &mut notches);
     notches

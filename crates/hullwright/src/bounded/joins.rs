@@ -8,7 +8,8 @@
 use std::cmp::Ordering;
 use std::collections::BTreeMap;
 
-use crate::geometry::vector::{Vector, sort_by_number};
+use crate::geometry::vector::Vector;
+use crate::sorting::sort_by_number;
 
 /// Two hulls by their indices.
 pub(super) type Pair = (u32, u32);

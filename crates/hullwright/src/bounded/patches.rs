@@ -13,7 +13,7 @@ use super::settings::Settings;
 use super::surfaces::Surfaces;
 use crate::control::Control;
 use crate::error::Error;
-use crate::geometry::vector::{Vector, diagonal, sort_by_number};
+use crate::geometry::vector::{Vector, diagonal};
 use crate::hull::HullBuilder;
 use crate::hull::growing_hull::GrowingHull;
 use crate::mesh::adjacency::{Adjacency, NO_NEIGHBOUR};
@@ -21,6 +21,7 @@ use crate::mesh::grouping::{group, members};
 use crate::parallel;
 use crate::solid::FitTester;
 use crate::solid::Solid;
+use crate::sorting::{sort_by_key, sort_by_number};
 
 /// Above this number of groups the grouping is repeated with a larger threshold: under the first
 /// one, each facet of a fine cylinder is a group. Where the bound as the threshold leaves more, the
@@ -359,7 +360,7 @@ fn extent(mesh: &PatchMesh, triangles: &[u32]) -> f64 {
 /// The parts that triangles are halved by: whole facets, or the triangles of a single facet.
 fn units(mesh: &PatchMesh, triangles: &[u32]) -> Vec<Vec<u32>> {
     let mut ordered: Vec<u32> = triangles.to_vec();
-    ordered.sort_by_key(|&triangle| (mesh.facets[triangle as usize], triangle));
+    sort_by_key(&mut ordered, |&triangle| (mesh.facets[triangle as usize], triangle));
     let facet = |triangle: &u32| mesh.facets[*triangle as usize];
     let units: Vec<Vec<u32>> =
         ordered.chunk_by(|a, b| facet(a) == facet(b)).map(<[u32]>::to_vec).collect();

@@ -15,6 +15,7 @@ use crate::geometry::plane::Plane;
 use crate::geometry::vector::{Vector, bounds, centre, larger, smaller};
 use crate::hull::ConvexHull;
 use crate::mesh::TriangleMesh;
+use crate::sorting::sort_by_key;
 
 /// A point less in front of every face than this, as a fraction of the diagonal, is in the hull:
 /// the rounding of heights over planes in double precision, with a margin.
@@ -209,7 +210,7 @@ impl PointBuckets {
         };
         let mut numbered: Vec<(u32, Vector)> =
             points.iter().map(|&point| (number(point), point)).collect();
-        numbered.sort_by_key(|&(number, _)| number);
+        sort_by_key(&mut numbered, |&(number, _)| number);
         let points: Vec<Vector> = numbered.into_iter().map(|(_, point)| point).collect();
         let (large, small) = (Bucket::all(&points, LARGE), Bucket::all(&points, SMALL));
         Self { points, large, small }

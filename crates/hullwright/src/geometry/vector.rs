@@ -2,6 +2,8 @@
 
 use std::f64::consts::TAU;
 
+use crate::sorting::sort_by_number;
+
 /// A point or a direction.
 pub type Vector = glam::DVec3;
 
@@ -123,12 +125,6 @@ pub fn halves_of_triangle([a, b, c]: [Vector; 3]) -> [[Vector; 3]; 2] {
 #[inline]
 pub fn area_normal(a: Vector, b: Vector, c: Vector) -> Vector {
     (b - a).cross(c - a)
-}
-
-/// Sorts numbers that go with indices: equal ones by index. In one place, since each sort takes
-/// kilobytes of a module for browsers.
-pub fn sort_by_number(order: &mut [(f64, usize)]) {
-    order.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
 }
 
 /// Two halves of indices along the axis on which their centres extend the most.

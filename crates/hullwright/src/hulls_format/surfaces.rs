@@ -1,5 +1,6 @@
 //! Simplified surfaces of a scene, each found by what it is made of.
 
+use crate::sorting::sort_by_key;
 use sha2::{Digest, Sha256};
 
 use super::file::{HullsFileError, Reader, count, numbers, points, read_numbers, valid};
@@ -84,7 +85,7 @@ impl BakedSurface {
         }
         let mut by_mesh: Vec<u32> = (0..self.parts.len() as u32).collect();
         let mesh_of = |index: &u32| self.parts[*index as usize].mesh;
-        by_mesh.sort_by_key(mesh_of);
+        sort_by_key(&mut by_mesh, mesh_of);
         let mut is_taken = vec![false; parts.len()];
         let find = |part: &PlacedMesh| {
             let start = by_mesh.partition_point(|index| mesh_of(index) < part.mesh);

@@ -27,6 +27,8 @@ use crate::mesh::{Normalization, PreparedMesh};
 use crate::openings::OpeningSettings;
 use crate::openings::prepare::prepare_closed;
 use crate::parameters::{Parameters, check_positive};
+#[cfg(feature = "nalgebra")]
+use crate::sorting::sort_by;
 
 /// What mass properties were computed from.
 #[non_exhaustive]
@@ -294,7 +296,7 @@ fn principal_inertia(inertia: [Vector; 3]) -> PrincipalInertia {
         None => (matrix.diagonal(), Matrix3::identity()),
     };
     let mut order = [0, 1, 2];
-    order.sort_by(|&a, &b| values[a].total_cmp(&values[b]));
+    sort_by(&mut order, |&a, &b| values[a].total_cmp(&values[b]));
     let mut columns = order.map(|index| vectors.column(index).into_owned());
     for column in &mut columns[..2] {
         // Of the two directions of an axis, the one along the coordinate axis that is nearest.

@@ -3,6 +3,7 @@
 use robust::{Coord, orient2d};
 
 use crate::geometry::vector::{Vector, bounds, cubed};
+use crate::sorting::sort_by;
 
 /// Integrals over a solid of 1, of x, and of the products of two coordinates.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -62,7 +63,7 @@ pub(super) fn moments_of_union(triangles: &[[Vector; 3]], resolution: usize) -> 
     for triangle in triangles {
         grid.meet(*triangle, &mut crossings);
     }
-    crossings.sort_by(|a, b| {
+    sort_by(&mut crossings, |a, b| {
         a.column.cmp(&b.column).then(a.x.total_cmp(&b.x)).then(b.step.cmp(&a.step))
     });
     let mut moments = Moments::default();

@@ -7,6 +7,7 @@ use crate::geometry::vector::{
 use crate::hull::convex_hull;
 use crate::mesh::Normalization;
 use crate::mesh::adjacency::{SortedHalfEdges, ascends};
+use crate::sorting::sort_by_key;
 
 /// The edges of triangles with three different corners, vertices welded by position.
 pub(super) struct Edges {
@@ -22,7 +23,7 @@ impl Edges {
         // Adding zero turns -0 into 0.
         let key = |point: Vector| point.to_array().map(|x| (x + 0.0).to_bits());
         let mut places: Vec<[u64; 3]> = positions.iter().map(|&point| key(point)).collect();
-        places.sort_unstable();
+        sort_by_key(&mut places, |place| *place);
         places.dedup();
         let place =
             |vertex: u32| places.partition_point(|place| *place < key(positions[vertex as usize]));

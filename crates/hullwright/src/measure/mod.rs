@@ -55,6 +55,7 @@ use crate::mesh::{Normalization, TriangleMesh};
 use crate::openings::prepare::prepare_closed;
 use crate::parallel::{self, map_indices};
 use crate::probe::ProbeSettings;
+use crate::sorting::sort_by;
 use hulls::{Edges, MeasuredHull, NONE_USABLE, Union};
 use pointwise::MeasuredSolid;
 use sampling::{SampledSurface, in_unit_cube};
@@ -83,7 +84,7 @@ impl Distances {
     fn of(mut values: Vec<f64>) -> Self {
         const HUNDREDTHS: usize = 99;
 
-        values.sort_unstable_by(f64::total_cmp);
+        sort_by(&mut values, f64::total_cmp);
         let Some(&max) = values.last() else {
             return Self::default();
         };

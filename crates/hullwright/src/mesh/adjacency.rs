@@ -19,6 +19,7 @@
 
 use crate::geometry::TriangleMesh;
 use crate::geometry::vector::{Vector, area_normal};
+use crate::sorting::sort_by_key;
 
 /// All half-edges, sorted by edge without a hash map.
 ///
@@ -299,7 +300,7 @@ fn open_unbalanced_shells(
             (shells[triangle], if forward { 1 } else { -1 })
         })
         .collect();
-    ways.sort_unstable();
+    sort_by_key(&mut ways, |way| *way);
     for own in ways.chunk_by(|a, b| a.0 == b.0) {
         if own.iter().map(|&(_, way)| way).sum::<i32>() != 0 {
             kinds[own[0].0 as usize] = ShellKind::Open;

@@ -5,6 +5,7 @@
 //! triangle begins with its least vertex. O(n log n).
 
 use crate::geometry::vector::Vector;
+use crate::sorting::sort_by;
 
 /// Places are compared in steps of 2^-20 of the diagonal first, about the weld distance: what
 /// differs by rounding alone, as a copy in other units, is in the same order.
@@ -39,7 +40,7 @@ pub(super) fn vertices_by_place(positions: &[Vector], used: &[bool]) -> Vec<u32>
         in_use.map(|(vertex, _)| (key(positions[vertex as usize]), vertex)).collect();
     keyed.sort_unstable();
     for close in keyed.chunk_by_mut(|a, b| a.0 == b.0).filter(|close| close.len() > 1) {
-        close.sort_by(|a, b| {
+        sort_by(close, |a, b| {
             let [a, b] = [a.1, b.1].map(|vertex| positions[vertex as usize]);
             let by_axis = |axis: usize| a[axis].total_cmp(&b[axis]);
             by_axis(0).then(by_axis(1)).then(by_axis(2))

@@ -15,6 +15,7 @@ use robust::{Coord, orient2d};
 use super::adjacency::{Connectivity, ShellKind, SortedHalfEdges};
 use super::regions::{FLAT, Regions};
 use crate::geometry::vector::{Vector, area_normal};
+use crate::sorting::{sort_by, sort_by_key};
 
 /// A shell with holes counts as solid if its volume differs by less than this share of itself
 /// wherever in its bounding box the holes' lids meet, and however large lids on so long a border
@@ -239,7 +240,7 @@ fn inverted_solids(
             queries.push(Query { shell, origin });
         }
     }
-    queries.sort_by(|a, b| a.origin[1].total_cmp(&b.origin[1]));
+    sort_by(&mut queries, |a, b| a.origin[1].total_cmp(&b.origin[1]));
 
     // For each crossing of a ray: query, shell, and its share in the winding number.
     let mut crossings: Vec<(usize, usize, i32)> = Vec::new();
@@ -274,9 +275,9 @@ fn inverted_solids(
     }
 
     // What encloses is larger, so that it is decided first whether that is turned around.
-    crossings.sort_unstable();
+    sort_by_key(&mut crossings, |crossing| *crossing);
     let mut order: Vec<usize> = (0..queries.len()).collect();
-    order.sort_by(|&a, &b| {
+    sort_by(&mut order, |&a, &b| {
         let volume = |index: usize| solids.volumes[queries[index].shell];
         volume(a).total_cmp(&volume(b)).then(a.cmp(&b))
     });

@@ -16,6 +16,7 @@ use crate::control::Control;
 use crate::error::Error;
 use crate::geometry::vector::{Vector, area_normal, as_vectors, bounds};
 use crate::geometry::{MeshView, TriangleMesh};
+use crate::sorting::sort_by_key;
 
 /// Stands in [`PreparedMesh::source_triangles`] for a triangle that closes an opening.
 pub(crate) const CAP: u32 = u32::MAX;
@@ -216,7 +217,13 @@ pub(crate) fn prepare_again(
     let corners = |t: u32| welded.corners(triangles[t as usize]);
     let mut in_order = survey.candidates;
     if order == MeshOrder::Place {
-        in_order.sort_by_cached_key(|&t| triangle_key(corners(t)));
+        let key = |t: u32| triangle_key(corners(t));
+        let mut keyed: Vec<([u32; 3], u32)> = in_order.iter().map(|&t| (key(t).0, t)).collect();
+        keyed.sort_unstable();
+        for same in keyed.chunk_by_mut(|a, b| a.0 == b.0).filter(|same| same.len() > 1) {
+            sort_by_key(same, |&(_, t)| key(t).1);
+        }
+        in_order = keyed.into_iter().map(|(_, t)| t).collect();
         control.check()?;
     }
     let (mut kept, mut source_triangles, degenerate) =
@@ -551,8 +558,8 @@ fn drop_degenerate(
         let mut paired: Vec<(u32, [u32; 3])> = candidates.into_iter().zip(kept).collect();
         paired.retain(|&(_, triangle)| !is_degenerate(positions, triangle));
         match order {
-            MeshOrder::Input => paired.sort_by_key(|&(source, _)| source),
-            MeshOrder::Place => paired.sort_by_key(|&(_, triangle)| triangle_key(triangle)),
+            MeshOrder::Input => sort_by_key(&mut paired, |&(source, _)| source),
+            MeshOrder::Place => sort_by_key(&mut paired, |&(_, triangle)| triangle_key(triangle)),
         }
         (candidates, kept) = paired.into_iter().unzip();
     }

@@ -17,6 +17,7 @@ use crate::geometry::{MeshView, Sidedness};
 use crate::mesh::PreparedMesh;
 use crate::parallel;
 use crate::parameters::{Length, Openings, Parameters, UpAxis};
+use crate::sorting::sort_by;
 
 /// A cap that meets the surface around it at less than this, in radians (30°), closes a sheet onto
 /// itself.
@@ -539,7 +540,9 @@ fn leaves_through(
         }
         f64::INFINITY
     });
-    others.sort_by(|a, b| a.distance.total_cmp(&b.distance).then(a.triangle.cmp(&b.triangle)));
+    sort_by(&mut others, |a, b| {
+        a.distance.total_cmp(&b.distance).then(a.triangle.cmp(&b.triangle))
+    });
     // Of faces at the same distance, as those on both sides of an edge, one counts.
     others.dedup_by_key(|hit| hit.distance);
     others.into_iter().take(MOST_HITS - 1).find_map(leaves)

@@ -18,6 +18,7 @@ use crate::geometry::vector::{
 };
 use crate::mesh::PreparedMesh;
 use crate::mesh::regions::Regions;
+use crate::sorting::sort_by_key;
 
 /// A rim with more sides is not looked at, since each side is compared with each triangle of its
 /// cap.
@@ -104,7 +105,7 @@ impl NarrowCap<'_> {
         let half_edges =
             |&[a, b, c]: &[u32; 3]| [[a, b], [b, c], [c, a]].map(|edge| (edge, [a, b, c]));
         let mut of_edges: Vec<_> = self.triangles.iter().flat_map(half_edges).collect();
-        of_edges.sort_unstable();
+        sort_by_key(&mut of_edges, |of_edge| *of_edge);
         let most = libm::cos(SHEET_ANGLE);
         let (mut own, mut whole) = (0.0, 0.0);
         for rim in &self.rims {

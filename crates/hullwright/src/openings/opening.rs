@@ -7,6 +7,7 @@
 use crate::geometry::vector::{Vector, mean};
 use crate::mesh::PreparedMesh;
 use crate::mesh::adjacency::{SortedHalfEdges, ascends};
+use crate::sorting::sort_by_key;
 
 /// A simple closed polygon along the boundary.
 #[derive(Debug, Clone, PartialEq)]
@@ -106,7 +107,7 @@ fn cap_edges(positions: &[Vector], triangles: &[[u32; 3]]) -> Vec<CapEdge> {
             edges.push(CapEdge { from: corners[(k + 1) % 3], to: corners[k], neighbour: triangle });
         }
     });
-    edges.sort_unstable_by_key(|edge| (edge.from, edge.to, edge.neighbour));
+    sort_by_key(&mut edges, |edge| (edge.from, edge.to, edge.neighbour));
     edges
 }
 

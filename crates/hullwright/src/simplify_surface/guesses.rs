@@ -77,7 +77,7 @@ pub(super) struct Guesses<'a> {
     /// Samples over a star, and the triangles that they go to.
     placed: Vec<(u32, u32)>,
     /// Neighbours of a vertex, and how many triangles each has with it.
-    ring: Vec<(u32, usize)>,
+    ring: Vec<(u32, u32)>,
     beside: Vec<Indexed>,
 }
 
@@ -253,7 +253,7 @@ impl<'a> Guesses<'a> {
 
     /// How many triangles the edges along which a vertex may go have; `None` if it has to stay.
     /// Where the surface ends, or more than two triangles meet, it goes along that line.
-    fn edges_along(&self) -> Option<usize> {
+    fn edges_along(&self) -> Option<u32> {
         let mut lines = self.ring.iter().map(|&(_, count)| count).filter(|&count| count != 2);
         match (lines.next(), lines.next(), lines.next()) {
             (None, ..) => Some(2),
@@ -322,6 +322,7 @@ impl<'a> Guesses<'a> {
         let Some(&(_, shared)) = self.ring.iter().find(|&&(other, _)| other == onto) else {
             return false;
         };
+        let shared = shared as usize;
         let others = self.ring.iter().filter(|&&(other, _)| other != onto && common(other));
         shared < count
             && self.around[onto as usize].len() + count <= MAX_STAR + 2 * shared

@@ -138,19 +138,22 @@ impl Solids<'_> {
     /// agree, none.
     fn around(&self, point: Vector, own: usize) -> Vec<(usize, i32)> {
         let by_ray = |direction: Vector| {
-            let mut turns: Vec<(usize, i32)> = Vec::new();
+            let mut turns: Vec<(u32, u32)> = Vec::new();
             self.tree.visit_hits([point, direction], 0.0, |hit| {
                 let triangle = self.closed[hit.triangle as usize];
                 let component = component(self.prepared, triangle);
                 let is_back = hit.is_back != self.is_turned[triangle as usize];
                 if component != own {
-                    turns.push((component, if is_back { 1 } else { -1 }));
+                    turns.push((component as u32, u32::from(is_back)));
                 }
                 f64::INFINITY
             });
             turns.sort_unstable();
             let of_each = turns.chunk_by(|a, b| a.0 == b.0);
-            let sums = of_each.map(|all| (all[0].0, all.iter().map(|&(_, turn)| turn).sum()));
+            let sums = of_each.map(|all| {
+                let turn = |&(_, is_back): &(u32, u32)| if is_back == 1 { 1 } else { -1 };
+                (all[0].0 as usize, all.iter().map(turn).sum())
+            });
             sums.filter(|&(_, sum): &(usize, i32)| sum != 0).collect::<Vec<_>>()
         };
         let [first, others @ ..] = DIRECTIONS;

@@ -1,6 +1,8 @@
 //! The public function: a surface with few triangles, within a bound of another.
 
 use std::cmp::Ordering;
+use std::fmt;
+use std::str::FromStr;
 
 use super::distance::NO_GUESS;
 use super::hidden::hidden;
@@ -12,13 +14,24 @@ use crate::geometry::{MeshView, TriangleMesh};
 use crate::mesh::canonical_order::{MeshOrder, rotated};
 use crate::mesh::repair::{PreparedMesh, Repairs, Survey, compact, is_degenerate, prepare};
 use crate::parallel;
-use crate::parameters::{Length, check_positive};
+use crate::parameters::{Field, Length, ParseError, check_positive, differing, items, parse};
 
 /// What is taken off the bound and added to distances, as a fraction of the diagonal: more than the
 /// rounding of what is measured.
 pub(super) const ROUNDING: f64 = 1e-12;
 
 /// How a surface is simplified. A [`Length`] converts into the defaults with that bound.
+///
+/// As text it is what differs from the defaults.
+///
+/// ```
+/// use hullwright::{Length, SimplifyParameters};
+///
+/// let parameters: SimplifyParameters = "max_error=0.02m keep_hidden=true".parse()?;
+/// assert_eq!(parameters, SimplifyParameters::new(Length::units(0.02)).with_keep_hidden(true));
+/// assert_eq!(parameters.to_string(), "max_error=0.02m keep_hidden=true");
+/// # Ok::<(), hullwright::ParseError>(())
+/// ```
 #[non_exhaustive]
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -48,6 +61,42 @@ impl SimplifyParameters {
     /// [`Error::InvalidParameter`] if the bound is not a positive number.
     pub fn validate(&self) -> Result<(), Error> {
         check_positive("max_error", self.max_error.value())
+    }
+
+    /// Every field as text.
+    fn fields(&self) -> [Field; 2] {
+        [("max_error", self.max_error.to_string()), ("keep_hidden", self.keep_hidden.to_string())]
+    }
+}
+
+impl Default for SimplifyParameters {
+    /// Within 0.5 % of the bounding box's diagonal.
+    fn default() -> Self {
+        Self::new(Length::Share(0.005))
+    }
+}
+
+impl fmt::Display for SimplifyParameters {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str(&differing(&self.fields(), &Self::default().fields()))
+    }
+}
+
+impl FromStr for SimplifyParameters {
+    type Err = ParseError;
+
+    /// Reads what [`Display`](fmt::Display) writes, on top of the defaults. The values are not
+    /// checked: see [`validate`](Self::validate).
+    fn from_str(text: &str) -> Result<Self, ParseError> {
+        let mut parameters = Self::default();
+        for item in items(text) {
+            match item? {
+                ("max_error", value) => parameters.max_error = value.parse()?,
+                ("keep_hidden", value) => parameters.keep_hidden = parse(value, "true or false")?,
+                (key, _) => return Err(ParseError::unknown_key(key, "max_error, keep_hidden")),
+            }
+        }
+        Ok(parameters)
     }
 }
 
@@ -214,18 +263,13 @@ fn assembled(
         prepared.source_vertices.iter().map(|&v| mesh.at(v).into()).collect();
     let place = |vertex: u32| -> [f64; 3] { mesh.at(vertex).into() };
     let kept = || reduced.kept.iter().map(|&index| (index, source.triangles[index as usize]));
-    let mut places: Vec<[f64; 3]> = kept().flat_map(|(_, corners)| corners.map(place)).collect();
-    places.sort_unstable_by(|&a, &b| compare_places(a, b));
-    places.dedup();
-    let first = positions.len();
+    let places = Places::new(kept().flat_map(|(_, corners)| corners.map(place)).collect());
+    let first = positions.len() as u32;
     for (index, corners) in kept() {
-        let found = corners.map(|vertex| {
-            let place = place(vertex);
-            first + places.partition_point(|&other| compare_places(other, place).is_lt())
-        });
-        triangles.push((found.map(|vertex| vertex as u32), indices[index as usize]));
+        let found = corners.map(|vertex| first + places.rank(place(vertex)));
+        triangles.push((found, indices[index as usize]));
     }
-    positions.extend(places);
+    positions.extend(places.0);
     let mut triangles: Vec<([u32; 3], u32)> =
         triangles.into_iter().map(|(corners, index)| (rotated(corners), index)).collect();
     triangles.sort_unstable();
@@ -233,6 +277,22 @@ fn assembled(
     let used = compact(&mut corners, positions.len());
     let positions = used.iter().map(|&vertex| positions[vertex as usize]).collect();
     (TriangleMesh::new(positions, corners), sources)
+}
+
+/// Some places, each once, in order.
+struct Places(Vec<[f64; 3]>);
+
+impl Places {
+    fn new(mut places: Vec<[f64; 3]>) -> Self {
+        places.sort_unstable_by(|&a, &b| compare_places(a, b));
+        places.dedup_by(|a, b| compare_places(*a, *b).is_eq());
+        Self(places)
+    }
+
+    /// How many are less than this one.
+    fn rank(&self, place: [f64; 3]) -> u32 {
+        self.0.partition_point(|&other| compare_places(other, place).is_lt()) as u32
+    }
 }
 
 fn compare_places(a: [f64; 3], b: [f64; 3]) -> Ordering {
@@ -270,7 +330,8 @@ fn source(
         mesh.points().map(|point| prepared.normalization.normalize(point)).collect();
     // Without those that repair left out as degenerate, but with all that it moved by welding.
     indices.retain(|&index| !is_degenerate(&points, mesh.triangles()[index as usize]));
-    // Whatever order the input has: in that of repair, and from the least corner on.
+    // Whatever order the input has: in that of repair, others after them by place, and from the
+    // least corner on.
     let least_first = |index: u32| {
         let corners = mesh.triangles()[index as usize];
         let compare = |&a: &usize, &b: &usize| {
@@ -279,14 +340,19 @@ fn source(
         let least = (0..3).min_by(compare).unwrap_or_default();
         [0, 1, 2].map(|step| corners[(least + step) % 3])
     };
-    indices.sort_by(|&a, &b| {
-        let by_place = || {
-            let places = |index| least_first(index).map(|vertex| mesh.at(vertex).into());
-            let pairs = places(a).into_iter().zip(places(b));
-            pairs.fold(Ordering::Equal, |order, (a, b)| order.then(compare_places(a, b)))
-        };
-        repaired[a as usize].cmp(&repaired[b as usize]).then_with(by_place)
-    });
+    let place = |vertex: u32| -> [f64; 3] { mesh.at(vertex).into() };
+    let (in_order, others): (Vec<u32>, Vec<u32>) =
+        indices.into_iter().partition(|&index| repaired[index as usize] != NO_GUESS);
+    let of_others = others.iter().flat_map(|&index| least_first(index).map(place));
+    let places = Places::new(of_others.collect());
+    let by_repair = |&index: &u32| ([repaired[index as usize], 0, 0], index);
+    let by_place =
+        |&index: &u32| (least_first(index).map(|vertex| places.rank(place(vertex))), index);
+    let mut in_order: Vec<([u32; 3], u32)> = in_order.iter().map(by_repair).collect();
+    let mut others: Vec<([u32; 3], u32)> = others.iter().map(by_place).collect();
+    in_order.sort_unstable();
+    others.sort_unstable();
+    let indices: Vec<u32> = in_order.into_iter().chain(others).map(|(_, index)| index).collect();
     let triangles = indices.iter().map(|&index| least_first(index)).collect();
     let repaired = indices.iter().map(|&index| repaired[index as usize]).collect();
     (Source { points, triangles, repaired }, indices)

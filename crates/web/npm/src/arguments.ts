@@ -1,7 +1,7 @@
 // From what a caller gives to what the module takes: flat arrays and the library's own text of parameters.
 
 import { refuse } from "./error.js";
-import type { Hulls, Mesh, MeshFiles, MeshFormat, Options, Parameters } from "./types.js";
+import type { Hulls, Mesh, MeshFiles, MeshFormat, Options, SimplifyOptions } from "./types.js";
 
 export interface MeshArrays {
   /** In single precision as they came: half as many bytes to send. */
@@ -53,7 +53,7 @@ export function meshArrays(mesh: Mesh): MeshArrays {
 const OTHERS = new Set(["onProgress", "signal"]);
 
 /** As the library reads it: `max_error=2% max_hulls=8`. It says what is wrong with names and values. */
-export function parameterText(options?: (Options & Parameters) | null): string {
+export function parameterText(options?: Options | SimplifyOptions | null): string {
   const items = Object.entries(checkedOptions(options))
     .filter(([name, value]) => !OTHERS.has(name) && value !== undefined && value !== null)
     .map(([name, value]) => {

@@ -2,7 +2,7 @@
 
 import type { HullArrays, MeshArrays, NamedFiles } from "./arguments.js";
 import type {
-  Bytes, Decomposition, Float64s, Hull, Measurement, MergeTree, Progress, ReadMesh, Uint32s,
+  Bytes, Decomposition, Float64s, Hull, Measurement, MergeTree, Progress, ReadMesh, SimplifiedSurface, Uint32s,
 } from "./types.js";
 import * as glue from "#glue";
 
@@ -11,6 +11,7 @@ export interface Calls {
   decompose(mesh: MeshArrays, parameters: string): Decomposition;
   measure(mesh: MeshArrays, hulls: HullArrays, parameters: string): Measurement;
   mergeTree(mesh: MeshArrays, hulls: HullArrays, parameters: string): MergeTree;
+  simplify(mesh: MeshArrays, parameters: string): SimplifiedSurface;
   readMesh(files: NamedFiles): ReadMesh;
 }
 
@@ -68,9 +69,12 @@ export function separate(arrays: glue.HullArrays): Hull[] {
   });
 }
 
+const listenerOf = (onProgress?: (progress: Progress) => void) =>
+  onProgress && ((stage: string, fraction: number) => onProgress({ stage, fraction }));
+
 export const calls = (onProgress?: (progress: Progress) => void): Calls => ({
   decompose(mesh, parameters) {
-    const listener = onProgress && ((stage: string, fraction: number) => onProgress({ stage, fraction }));
+    const listener = listenerOf(onProgress);
     return withMesh(mesh, (mesh) =>
       using(glue.decompose(mesh, parameters, listener), (result) => {
         const { report, run, remarks, mass } = parse(result.report);
@@ -97,6 +101,19 @@ export const calls = (onProgress?: (progress: Progress) => void): Calls => ({
           return { curve: parse(tree.curve), hulls: all, joined: joins };
         }),
       ),
+    );
+  },
+
+  simplify(mesh, parameters) {
+    const listener = listenerOf(onProgress);
+    return withMesh(mesh, (mesh) =>
+      using(glue.simplify(mesh, parameters, listener), ({ positions, indices, sources, hidden, report }) => ({
+        positions: positions as Float64s,
+        indices: indices as Uint32s,
+        sources: sources as Uint32s,
+        hidden: hidden as Uint32s,
+        report: { ...parse(report), algorithmVersion: algorithmVersion() },
+      })),
     );
   },
 

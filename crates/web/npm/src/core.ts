@@ -16,6 +16,7 @@ const shared = /* @__PURE__ */ lazy(createPool);
 export const decompose: Pool["decompose"] = (...args) => shared.pool().decompose(...args);
 export const measure: Pool["measure"] = (...args) => shared.pool().measure(...args);
 export const mergeTree: Pool["mergeTree"] = (...args) => shared.pool().mergeTree(...args);
+export const simplify: Pool["simplify"] = (...args) => shared.pool().simplify(...args);
 
 export const prepare: Pool["prepare"] = () => shared.pool().prepare();
 

@@ -7,6 +7,7 @@ import * as module from "./calls.js";
 import { checked, HullwrightError, plain, typed } from "./error.js";
 import type {
   Decomposition, Hulls, Measurement, MergeTree, Mesh, MeshFiles, MeshFormat, Options, Parameters, ReadMesh,
+  SimplifiedSurface, SimplifyOptions,
 } from "./types.js";
 
 export * from "./public.js";
@@ -64,6 +65,14 @@ export function mergeTree(mesh: Mesh, hulls: Hulls, options: Parameters = {}): M
   return run(
     () => [meshArrays(mesh), hullArrays(hulls), parameterText(options)] as const,
     (args) => module.calls().mergeTree(...args),
+  );
+}
+
+/** Makes a surface with few triangles within a bound of a mesh. */
+export function simplify(mesh: Mesh, options: SimplifyOptions = {}): SimplifiedSurface {
+  return run(
+    () => [meshArrays(mesh), parameterText(options)] as const,
+    (args) => module.calls(options?.onProgress).simplify(...args),
   );
 }
 

@@ -74,7 +74,7 @@ export function checked<T>(make: () => T): T {
 export const wordsOf = (error: unknown) => String((error as { message?: unknown } | null)?.message ?? error);
 
 /** The library's names of options, as they are here. */
-const NAMES = /\b(max_error|max_hulls|max_vertices|probe_radius|probe_from|keep_cavities|up_axis)\b/g;
+const NAMES = /\b(max_error|max_hulls|max_vertices|probe_radius|probe_from|keep_cavities|keep_hidden|up_axis)\b/g;
 
 /** What the module throws: an error with a code, or, once it is unusable, any other. */
 export function plain(error: unknown): PlainError {

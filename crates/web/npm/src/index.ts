@@ -16,6 +16,7 @@ const shared = /* @__PURE__ */ lazy(createPool);
 export const decompose: ReadingPool["decompose"] = (...args) => shared.pool().decompose(...args);
 export const measure: ReadingPool["measure"] = (...args) => shared.pool().measure(...args);
 export const mergeTree: ReadingPool["mergeTree"] = (...args) => shared.pool().mergeTree(...args);
+export const simplify: ReadingPool["simplify"] = (...args) => shared.pool().simplify(...args);
 export const readMesh: ReadingPool["readMesh"] = (...args) => shared.pool().readMesh(...args);
 
 export const prepare: ReadingPool["prepare"] = () => shared.pool().prepare();

@@ -8,7 +8,7 @@ import { torus } from "./torus.js";
 import type { Reply, Request } from "./worker.js";
 import type {
   Cancellable, Decomposition, Hulls, Measurement, MergeTree, Mesh, MeshFiles, MeshFormat, Options, Parameters, Progress,
-  ReadMesh,
+  ReadMesh, SimplifiedSurface, SimplifyOptions,
 } from "./types.js";
 
 /** Where worker and module come from. */
@@ -79,6 +79,8 @@ export interface Pool {
   measure(mesh: Mesh, hulls: Hulls, options?: Parameters & Cancellable): Promise<Measurement>;
   /** Joins hulls down to one: the pair that protrudes least goes first. `options` are what the hulls were made with. */
   mergeTree(mesh: Mesh, hulls: Hulls, options?: Parameters & Cancellable): Promise<MergeTree>;
+  /** Makes a surface with few triangles within a bound of a mesh: for colliders of what never moves. */
+  simplify(mesh: Mesh, options?: SimplifyOptions & Cancellable): Promise<SimplifiedSurface>;
   /** Starts a worker, and has it work for half a second on a mesh of its own: engines compile the module a second time, and
    * better, once it has run. Without it the first calls of a page take up to five times as long as later ones. */
   prepare(): Promise<void>;
@@ -187,7 +189,7 @@ export function createPoolFrom(source: Source, options?: PoolOptions | null): Re
     }
   }
 
-  function run(call: Call, makeArgs: () => unknown[], options?: (Options & Cancellable) | null): Promise<any> {
+  function run(call: Call, makeArgs: () => unknown[], options?: ((Options | SimplifyOptions) & Cancellable) | null): Promise<any> {
     return new Promise((resolve, reject) => {
       const { signal, onProgress } = checkedOptions(options);
       if (signal && typeof signal.throwIfAborted !== "function") refuse("`signal` is no `AbortSignal`");
@@ -228,6 +230,7 @@ export function createPoolFrom(source: Source, options?: PoolOptions | null): Re
       run("measure", () => [meshArrays(mesh), hullArrays(hulls), parameterText(options)], options),
     mergeTree: (mesh, hulls, options) =>
       run("mergeTree", () => [meshArrays(mesh), hullArrays(hulls), parameterText(options)], options),
+    simplify: (mesh, options) => run("simplify", () => [meshArrays(mesh), parameterText(options)], options),
     readMesh: (files, format, options) => run("readMesh", () => [namedFiles(files, format)], options),
     async prepare() {
       for (let i = 0; i < WARMING; i++) await run("decompose", () => [meshArrays(torus()), ""]);

@@ -124,6 +124,48 @@ export interface Decomposition {
   hullsFile: Bytes;
 }
 
+/** How a surface is simplified. What is left out has its default. */
+export interface SimplifyParameters {
+  /** The largest distance between the two surfaces, from either to the other. Default `"0.5%"`. */
+  maxError?: Length | undefined;
+  /** Whether triangles that nothing can touch stay. Default false. */
+  keepHidden?: boolean | undefined;
+}
+
+export interface SimplifyOptions extends SimplifyParameters {
+  /** Called in the caller's thread while the worker works. */
+  onProgress?: ((progress: Progress) => void) | undefined;
+}
+
+/** Lengths are in the mesh's units. */
+export interface SimplifyReport {
+  /** The bound. Both distances are at most this. */
+  bound: number;
+  /** No point of the result is farther than this from the mesh. */
+  fromSource: number;
+  /** No point of the mesh is farther than this from the result. */
+  toSource: number;
+  sourceTriangles: number;
+  sourceVertices: number;
+  triangles: number;
+  vertices: number;
+  hiddenTriangles: number;
+  repairs: Record<string, number>;
+  algorithmVersion: number;
+}
+
+/** A surface with few triangles, for a collider of what never moves. */
+export interface SimplifiedSurface {
+  /** Three numbers a vertex. Each vertex has the place of one of the mesh. */
+  positions: Float64s;
+  indices: Uint32s;
+  /** For each triangle one of the mesh: the nearest to its centre. A material survives so. */
+  sources: Uint32s;
+  /** The triangles of the mesh that nothing can touch, and that are left out. */
+  hidden: Uint32s;
+  report: SimplifyReport;
+}
+
 /** Distances of sampled points, as fractions of the diagonal. */
 export interface Distances {
   mean: number;

@@ -3,7 +3,7 @@
 import assert from "node:assert/strict";
 import { after, test } from "node:test";
 import binaryen from "binaryen";
-import { createPool, decompose, hullsAt, HullwrightError, measure, mergeTree, readMesh } from "hullwright";
+import { createPool, decompose, hullsAt, HullwrightError, measure, mergeTree, readMesh, simplify } from "hullwright";
 import * as direct from "hullwright/direct";
 import { createPool as createPoolOfFiles } from "hullwright/files";
 import { PACKAGE } from "./browser.mjs";
@@ -83,6 +83,32 @@ test("hulls are measured, and joined down to one", async () => {
   const points = result.hulls.map(({ points }) => ({ points }));
   assert.equal((await measure(dog, points)).hulls, result.hulls.length);
   assert.equal((await mergeTree(dog, points)).curve.length, result.hulls.length);
+});
+
+test("a surface has few triangles within the bound, by workers and without them", async () => {
+  // Hills of 800 triangles, and a box below them that nothing can touch.
+  const at = (i, j) => [i / 20, 0.02 * Math.sin(i / 5) * Math.cos(j / 5), j / 20];
+  const cells = Array.from({ length: 400 }, (_, k) => [k % 20, Math.floor(k / 20)]);
+  const positions = cells.flatMap(([i, j]) => [[i, j], [i, j + 1], [i + 1, j], [i + 1, j], [i, j + 1], [i + 1, j + 1]].flatMap(([i, j]) => at(i, j)));
+  const stages = [];
+  const made = await simplify({ positions }, { maxError: "0.005m", onProgress: ({ stage }) => stages.push(stage) });
+  assert.ok(stages.includes("simplify"), stages.join());
+  const { report } = made;
+  assert.equal(report.sourceTriangles, 800);
+  assert.ok(report.triangles < 200 && report.triangles === made.indices.length / 3, `${report.triangles}`);
+  assert.ok(report.fromSource <= 0.005 && report.toSource <= 0.005 && report.bound === 0.005);
+  assert.equal(made.sources.length, report.triangles);
+  await direct.load(bytesOf(`${PACKAGE}/dist/hullwright.wasm`));
+  assert.deepEqual(direct.simplify({ positions }, { maxError: "0.005m" }), made);
+  // One box within another: it goes, and stays if that is wished.
+  const box = (r) => stairs(1).positions.map((x) => r * (x - 0.5));
+  // Outward.
+  const indices = stairs(1).indices.reverse();
+  const nested = { positions: [...box(4), ...box(1)], indices: [...indices, ...indices.map((i) => i + 8)] };
+  assert.equal((await simplify(nested)).hidden.length, 12);
+  assert.equal((await simplify(nested, { keepHidden: true })).hidden.length, 0);
+  await refused("invalid_parameter", /maxError/, () => simplify(nested, { maxError: "-1m" }));
+  await refused("invalid_parameter", /maxHulls.*keepHidden/, () => simplify(nested, { maxHulls: 3 }));
 });
 
 test("bad input is refused with a code and a reason, by workers and without them", async () => {

@@ -4,12 +4,11 @@
 //! Counts are kept up to date as pieces change, so that what a piece alone covers takes one
 //! comparison of sets.
 
-use crate::bounded::joins::Cost;
 use crate::bounded::patch::{PatchSet, Patches, Piece};
 use crate::control::Control;
 use crate::error::Error;
-use crate::geometry::vector::sort_by_number;
 use crate::hull::growing_hull::{GrowingHull, SEARCH_TOLERANCE};
+use crate::sorting::{sort_by, sort_by_number};
 
 #[derive(Clone)]
 pub(super) struct Coverage {
@@ -61,7 +60,10 @@ pub(super) fn area(patches: &Patches, set: &PatchSet) -> f64 {
 
 /// Drops pieces all of whose patches are covered by others, smallest first.
 pub(super) fn drop_redundant(patches: &Patches, pieces: &mut Vec<Piece>) {
-    pieces.sort_by_cached_key(|piece| Cost(area(patches, &piece.patches)));
+    let mut by_area: Vec<(f64, Piece)> =
+        pieces.drain(..).map(|piece| (area(patches, &piece.patches), piece)).collect();
+    sort_by(&mut by_area, |a, b| a.0.total_cmp(&b.0));
+    pieces.extend(by_area.into_iter().map(|(_, piece)| piece));
     let mut coverage = Coverage::new(patches.count(), pieces);
     pieces.retain(|piece| {
         let is_redundant = coverage.exclusive(&piece.patches).is_empty();

@@ -11,9 +11,9 @@ use super::nogoods::{Learning, Nogoods};
 use crate::bounded::patch::{PatchSet, Patches, Piece};
 use crate::bounded::search::Search;
 use crate::error::Error;
-use crate::geometry::vector::sort_by_number;
 use crate::parallel;
 use crate::solid::FitTester;
+use crate::sorting::{sort_by, sort_by_number};
 
 /// Pieces that are attempted between two checks of the budget, and may be attempted in parallel: as
 /// many as there are processors in a desktop machine, and few enough for the deadline. They do not
@@ -101,7 +101,7 @@ impl Attempt<'_> {
             Some(counts) => {
                 let mut order: Vec<(usize, usize)> = counts.into_iter().zip(takers).collect();
                 order.retain(|&(count, _)| count > 0);
-                order.sort_by(|a, b| b.0.cmp(&a.0).then(a.1.cmp(&b.1)));
+                sort_by(&mut order, |a, b| b.0.cmp(&a.0).then(a.1.cmp(&b.1)));
                 takers = order.into_iter().map(|(_, j)| j).collect();
             }
         }

@@ -14,6 +14,7 @@ use crate::geometry::vector::{Vector, bounds, spread_in_box};
 use crate::hull::HullBuilder;
 use crate::hull::growing_hull::GrowingHull;
 use crate::solid::{FitTester, Side, Solid};
+use crate::sorting::sort_by;
 
 /// Points in the box around all hulls that look for a hollow: one of a thousandth of the box holds
 /// a few.
@@ -170,7 +171,7 @@ fn shape_of(hull: &FinalHull) -> GrowingHull {
 /// The places of distances, from the least on.
 fn ascending(distances: &[f64]) -> Vec<usize> {
     let mut order: Vec<usize> = (0..distances.len()).collect();
-    order.sort_unstable_by(|&a, &b| distances[a].total_cmp(&distances[b]).then(a.cmp(&b)));
+    sort_by(&mut order, |&a, &b| distances[a].total_cmp(&distances[b]).then(a.cmp(&b)));
     order
 }
 
