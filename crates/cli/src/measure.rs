@@ -6,7 +6,7 @@ use hullwright::measure::{
     Distances, MeasureOptions, Measurement, VerifiedDistances, measure, verify,
 };
 use hullwright::{Control, Length};
-use hullwright_cli::terminal::{Failure, print, print_json};
+use hullwright_cli::terminal::{Failure, print, print_json, print_warning};
 use hullwright_formats::read_hulls;
 use serde_json::{Value, json};
 
@@ -91,11 +91,26 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         };
         format!("{}: {error}", path.display())
     })?;
+    if is_of_another(&found) {
+        let [hulls, mesh] = [&arguments.hulls, &arguments.mesh].map(|path| path.display());
+        print_warning(&format!("{hulls} and {mesh} are far apart: units or places may differ"));
+    }
     if arguments.json {
         return print_json(&line(arguments, &found, verified.as_ref()));
     }
     let verified = verified.map(|verified| format!("\n{verified}")).unwrap_or_default();
     print(&format!("{found}{verified}"))
+}
+
+/// No hull of a mesh's own points reaches farther out of it than this share of its diagonal.
+const FARTHEST_OUT: f64 = 0.5;
+
+/// Hulls that leave the surface this far uncovered in the mean, as a share of the diagonal, miss
+/// most of it.
+const FAR_UNCOVERED: f64 = 0.05;
+
+fn is_of_another(found: &Measurement) -> bool {
+    found.protrusion.max > FARTHEST_OUT || found.uncovered.mean > FAR_UNCOVERED
 }
 
 /// Lengths are in the mesh's units, as in all lines of JSON. A figure that needs a volume is null

@@ -191,3 +191,17 @@ fn verified_errors_are_upper_bounds_for_whole_faces_on_request() {
     assert!(place.json(&MEASURE)["verified"].is_null());
     place.fail(&["measure", "mesh.obj", "hulls.obj", "--verify", "--surface"], 2);
 }
+
+#[test]
+fn hulls_of_another_mesh_or_in_another_unit_are_warned_of() {
+    let cube = cuboid([1.0; 3], 0);
+    let warning = |hulls: &str| {
+        let output = place(&cube, hulls).run(&MEASURE);
+        assert!(output.status.success());
+        String::from_utf8(output.stderr).unwrap()
+    };
+    let expected = "warning: hulls.obj and mesh.obj are far apart: units or places may differ\n";
+    assert_eq!(warning(&cuboid([1000.0; 3], 0)), expected);
+    assert_eq!(warning(&cuboid([0.001; 3], 0)), expected);
+    assert_eq!(warning(&two_hulls()), "");
+}
