@@ -6,9 +6,8 @@ mod digest;
 mod worker;
 
 use bevy::tasks::TaskPoolBuilder;
-use hullwright::Method;
-use hullwright::SimplifyParameters;
 use hullwright::hulls_format::MeshHash;
+use hullwright::{Method, SimplifyParameters};
 
 pub(super) use self::database::{DiskCache, DiskState};
 use self::digest::Digest;
