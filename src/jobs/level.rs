@@ -11,13 +11,19 @@ use crate::tag::parameters::metres;
 
 /// What simplifying makes of a mesh.
 pub(super) struct FewTriangles {
-    pub positions: Vec<[f32; 3]>,
-    pub triangles: Vec<[u32; 3]>,
+    positions: Vec<[f32; 3]>,
+    triangles: Vec<[u32; 3]>,
     /// For each triangle one of the mesh.
-    pub sources: Vec<u32>,
+    sources: Vec<u32>,
 }
 
 impl FewTriangles {
+    /// Each of `positions` is a place of the mesh, which is in single precision.
+    pub fn new(positions: &[[f64; 3]], triangles: Vec<[u32; 3]>, sources: Vec<u32>) -> Self {
+        let positions = positions.iter().map(|point| point.map(|x| x as f32)).collect();
+        Self { positions, triangles, sources }
+    }
+
     /// In the order of the parts of the mesh that it was made of. O(n log n) for n triangles.
     pub fn in_parts_of(self, data: &MeshData) -> MeshData {
         let all = self.triangles.into_iter().zip(self.sources);
@@ -47,9 +53,7 @@ pub(super) fn simplified(
         }
         made => made?,
     };
-    // Each vertex has the place of one of the mesh, which is in single precision.
-    let positions = made.mesh.positions.iter().map(|point| point.map(|x| x as f32)).collect();
-    let few = FewTriangles { positions, triangles: made.mesh.triangles, sources: made.sources };
+    let few = FewTriangles::new(&made.mesh.positions, made.mesh.triangles, made.sources);
     Ok(few.in_parts_of(&data))
 }
 

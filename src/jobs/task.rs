@@ -272,7 +272,7 @@ impl DecompositionTask {
                     work.place = self.place(&work.data, &work.method, control)?;
                     None
                 }
-                // Hulls were asked for.
+                // A surface is no answer to this.
                 Answer::Refused | Answer::Simplified(_) => {
                     work.place = Place::Here(work.method.decomposer(work.data.view(), control)?);
                     None
@@ -302,7 +302,7 @@ impl DecompositionTask {
             }
             Answer::Trapped => return Err(DecompositionError::Panicked),
             Answer::Simplified(few) => few.in_parts_of(&work.data),
-            // Triangles were asked for, or there is an error to be told.
+            // Hulls are no answer to this. An error comes again here.
             Answer::Found(_) | Answer::Missing | Answer::Made(_) | Answer::Refused => {
                 simplified(work.data, work.bound, control)?
             }

@@ -160,7 +160,8 @@ pub enum Execution {
     /// take longer than its budget.
     Slices,
     /// In a browser: decompositions and simplified surfaces in Web Workers, which run the module of
-    /// the npm package from [`BudgetSettings::worker_folder`], all else in slices. A panic ends a worker, not the game.
+    /// the npm package from [`BudgetSettings::worker_folder`], all else in slices. A panic ends a
+    /// worker, not the game.
     /// Without the files, for the paper's method, and in wasm outside a browser as
     /// [`Slices`](Self::Slices); elsewhere as [`Background`](Self::Background).
     Worker,

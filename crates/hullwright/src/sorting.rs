@@ -3,7 +3,7 @@
 //! The compiler makes each sort of the standard library anew for its types and its comparison, with
 //! up to ten kilobytes of a module for browsers; they were a fifth of it. Here indices are sorted
 //! in one place, by a comparison that is called through a pointer. That takes about twice the time:
-//! what is sorted for every hull of the search stays with the standard library.
+//! what is sorted for every fit test stays with the standard library.
 
 use std::cmp::Ordering;
 

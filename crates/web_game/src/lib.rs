@@ -176,12 +176,7 @@ fn bumpy_ring(number: usize) -> Mesh {
     };
     let all = (0..around).flat_map(|i| (0..across).map(move |j| (i, j)));
     let positions = all.clone().map(|(i, j)| point(i, j)).collect();
-    let at = |i: u32, j: u32| (i % around) * across + j % across;
-    let indices = all.flat_map(|(i, j)| {
-        let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
-        [a, c, b, a, d, c]
-    });
-    mesh(positions, indices.collect())
+    mesh(positions, all, |i, j| (i % around) * across + j % across)
 }
 
 /// Hills on a square of 8 m, of 20,000 triangles.
@@ -193,16 +188,21 @@ fn ground(number: usize) -> Mesh {
         [x, 0.3 * (1.3 * x + shift).sin() * (0.9 * z - shift).cos(), z]
     };
     let positions = (0..=CELLS).flat_map(|i| (0..=CELLS).map(move |j| point(i, j))).collect();
-    let at = |i: u32, j: u32| i * (CELLS + 1) + j;
-    let indices = (0..CELLS).flat_map(|i| (0..CELLS).map(move |j| (i, j))).flat_map(|(i, j)| {
+    let cells = (0..CELLS).flat_map(|i| (0..CELLS).map(move |j| (i, j)));
+    mesh(positions, cells, |i, j| i * (CELLS + 1) + j)
+}
+
+/// Two triangles for each cell of a grid, whose vertices `at` numbers.
+fn mesh(
+    positions: Vec<[f32; 3]>,
+    cells: impl Iterator<Item = (u32, u32)>,
+    at: impl Fn(u32, u32) -> u32,
+) -> Mesh {
+    let indices = cells.flat_map(|(i, j)| {
         let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
         [a, c, b, a, d, c]
     });
-    mesh(positions, indices.collect())
-}
-
-fn mesh(positions: Vec<[f32; 3]>, indices: Vec<u32>) -> Mesh {
     Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::default())
         .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, positions)
-        .with_inserted_indices(Indices::U32(indices))
+        .with_inserted_indices(Indices::U32(indices.collect()))
 }

@@ -370,16 +370,14 @@ fn made(value: &JsValue) -> Option<Answer> {
         return file.is_current().then(|| Answer::Hulls(Box::new(file)));
     }
     let version = get(&get(value, "report")?, "algorithmVersion")?.as_f64()?;
+    if version != f64::from(ALGORITHM_VERSION) {
+        return None;
+    }
     let numbers = |name| Some(Uint32Array::new(&get(value, name)?).to_vec());
     let positions = Float64Array::new(&get(value, "positions")?).to_vec();
-    // Each vertex has the place of one of the mesh, which is in single precision.
-    let positions = positions.as_chunks().0.iter().map(|point: &[f64; 3]| point.map(|x| x as f32));
-    let few = FewTriangles {
-        positions: positions.collect(),
-        triangles: numbers("indices")?.as_chunks().0.to_vec(),
-        sources: numbers("sources")?,
-    };
-    (version == f64::from(ALGORITHM_VERSION)).then_some(Answer::Surface(few))
+    let triangles = numbers("indices")?.as_chunks().0.to_vec();
+    let few = FewTriangles::new(positions.as_chunks().0, triangles, numbers("sources")?);
+    Some(Answer::Surface(few))
 }
 
 /// Takes events of any worker.

@@ -5,7 +5,7 @@
 //! triangle begins with its least vertex. O(n log n).
 
 use crate::geometry::vector::Vector;
-use crate::sorting::sort_by;
+use crate::sorting::{sort_by, sort_by_key};
 
 /// Places are compared in steps of 2^-20 of the diagonal first, about the weld distance: what
 /// differs by rounding alone, as a copy in other units, is in the same order.
@@ -67,6 +67,18 @@ pub(crate) fn rotated([a, b, c]: [u32; 3]) -> [u32; 3] {
     } else {
         [c, a, b]
     }
+}
+
+/// Triangles in that order: by their keys, equal ones as they are numbered.
+pub(super) fn triangles_by_place(triangles: &[u32], corners: impl Fn(u32) -> [u32; 3]) -> Vec<u32> {
+    let key = |t: u32| triangle_key(corners(t));
+    let mut keyed: Vec<([u32; 3], u32)> = triangles.iter().map(|&t| (key(t).0, t)).collect();
+    keyed.sort_unstable();
+    // Few have the same vertices, and the winding makes each key longer by a quarter.
+    for same in keyed.chunk_by_mut(|a, b| a.0 == b.0).filter(|same| same.len() > 1) {
+        sort_by_key(same, |&(_, t)| key(t).1);
+    }
+    keyed.into_iter().map(|(_, t)| t).collect()
 }
 
 /// By the set of vertices, then by the winding.

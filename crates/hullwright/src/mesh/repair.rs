@@ -9,7 +9,9 @@ use std::borrow::Cow;
 use std::cmp::Ordering;
 
 use super::adjacency::{Connectivity, SortedHalfEdges};
-use super::canonical_order::{MeshOrder, rotated, triangle_key, used_vertices, vertices_by_place};
+use super::canonical_order::{
+    MeshOrder, rotated, triangle_key, triangles_by_place, used_vertices, vertices_by_place,
+};
 use super::orientation::{find_sheets, orient};
 use super::weld::weld;
 use crate::control::Control;
@@ -217,13 +219,7 @@ pub(crate) fn prepare_again(
     let corners = |t: u32| welded.corners(triangles[t as usize]);
     let mut in_order = survey.candidates;
     if order == MeshOrder::Place {
-        let key = |t: u32| triangle_key(corners(t));
-        let mut keyed: Vec<([u32; 3], u32)> = in_order.iter().map(|&t| (key(t).0, t)).collect();
-        keyed.sort_unstable();
-        for same in keyed.chunk_by_mut(|a, b| a.0 == b.0).filter(|same| same.len() > 1) {
-            sort_by_key(same, |&(_, t)| key(t).1);
-        }
-        in_order = keyed.into_iter().map(|(_, t)| t).collect();
+        in_order = triangles_by_place(&in_order, corners);
         control.check()?;
     }
     let (mut kept, mut source_triangles, degenerate) =

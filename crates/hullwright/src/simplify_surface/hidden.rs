@@ -14,6 +14,7 @@ use crate::error::Error;
 use crate::geometry::vector::{Vector, area_normal, centre, larger, smaller};
 use crate::mesh::PreparedMesh;
 use crate::parallel;
+use crate::sorting::sort_by_key;
 
 /// What is this near to a surface may touch it, as a fraction of the diagonal: twice what welding
 /// moves.
@@ -138,22 +139,19 @@ impl Solids<'_> {
     /// agree, none.
     fn around(&self, point: Vector, own: usize) -> Vec<(usize, i32)> {
         let by_ray = |direction: Vector| {
-            let mut turns: Vec<(u32, u32)> = Vec::new();
+            let mut turns: Vec<(usize, i32)> = Vec::new();
             self.tree.visit_hits([point, direction], 0.0, |hit| {
                 let triangle = self.closed[hit.triangle as usize];
                 let component = component(self.prepared, triangle);
                 let is_back = hit.is_back != self.is_turned[triangle as usize];
                 if component != own {
-                    turns.push((component as u32, u32::from(is_back)));
+                    turns.push((component, if is_back { 1 } else { -1 }));
                 }
                 f64::INFINITY
             });
-            turns.sort_unstable();
+            sort_by_key(&mut turns, |turn| *turn);
             let of_each = turns.chunk_by(|a, b| a.0 == b.0);
-            let sums = of_each.map(|all| {
-                let turn = |&(_, is_back): &(u32, u32)| if is_back == 1 { 1 } else { -1 };
-                (all[0].0 as usize, all.iter().map(turn).sum())
-            });
+            let sums = of_each.map(|all| (all[0].0, all.iter().map(|&(_, turn)| turn).sum()));
             sums.filter(|&(_, sum): &(usize, i32)| sum != 0).collect::<Vec<_>>()
         };
         let [first, others @ ..] = DIRECTIONS;

@@ -332,15 +332,13 @@ fn source(
     indices.retain(|&index| !is_degenerate(&points, mesh.triangles()[index as usize]));
     // Whatever order the input has: in that of repair, others after them by place, and from the
     // least corner on.
+    let place = |vertex: u32| -> [f64; 3] { mesh.at(vertex).into() };
     let least_first = |index: u32| {
         let corners = mesh.triangles()[index as usize];
-        let compare = |&a: &usize, &b: &usize| {
-            compare_places(mesh.at(corners[a]).into(), mesh.at(corners[b]).into())
-        };
+        let compare = |&a: &usize, &b: &usize| compare_places(place(corners[a]), place(corners[b]));
         let least = (0..3).min_by(compare).unwrap_or_default();
         [0, 1, 2].map(|step| corners[(least + step) % 3])
     };
-    let place = |vertex: u32| -> [f64; 3] { mesh.at(vertex).into() };
     let (in_order, others): (Vec<u32>, Vec<u32>) =
         indices.into_iter().partition(|&index| repaired[index as usize] != NO_GUESS);
     let of_others = others.iter().flat_map(|&index| least_first(index).map(place));
