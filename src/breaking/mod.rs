@@ -82,8 +82,8 @@ pub trait BreakApartExt {
     /// scale and dominance of its body.
     ///
     /// It takes effect at once: some milliseconds for a prop of thousands of triangles. An entity
-    /// that has no hulls yet, or triangles instead, stays as it is, and the log says so. One that
-    /// is gone, or asked to break twice, is no error.
+    /// that has no hulls yet, or triangles instead, stays as it is, and the log says so. For
+    /// one that is despawned or already broken, nothing happens.
     fn break_apart(&mut self, grouping: HullGrouping) -> &mut Self;
 }
 
@@ -123,7 +123,7 @@ fn on_break_apart<E: Engine>(
     mut commands: Commands,
 ) {
     let entity = event.entity;
-    // What hits two things at once may be asked to break twice.
+    // Two impacts in one frame may both break it.
     let Ok(broken) = broken.get(entity) else { return };
     let refuse = |why: &str| {
         log::warn!("{} can't be broken apart: {why}", descriptions.entity(entity, None));

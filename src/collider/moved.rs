@@ -1,4 +1,4 @@
-//! Shapes of which another scale is made without their mesh.
+//! Shapes that can be scaled again without their mesh.
 
 use bevy::math::{Affine3A, Vec3};
 use hullwright_parry::parry3d::math::Pose;

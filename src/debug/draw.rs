@@ -1,4 +1,4 @@
-//! What is near and asked for, as lines: colliders, and marks on what waits, is frozen or failed.
+//! Debug lines around the camera: colliders, and marks on entities that wait, are frozen or failed.
 
 use bevy::camera::primitives::Aabb;
 use bevy::color::{Color, Hsla, Srgba};
@@ -39,7 +39,7 @@ pub struct HullwrightDebug {
     pub max_lines: usize,
 }
 
-/// As far as single hulls can be told apart on a screen, in metres.
+/// How far away single hulls can still be distinguished on a screen, in metres.
 const DEFAULT_RADIUS: f32 = 50.0;
 
 /// Bevy draws as many at a steady 60 Hz on small graphics chips.

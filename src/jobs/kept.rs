@@ -21,7 +21,8 @@ pub(super) fn kept(budget: u64) -> u64 {
     budget - budget / FREED_SHARE
 }
 
-/// Whether a result counts: what is of another version, or has no mass, is as good as missing.
+/// Whether a stored result may be used. One of another version, or without mass properties, counts
+/// as missing.
 pub(super) fn is_usable(file: &HullsFile) -> bool {
     file.is_current() && file.mass_properties.is_some()
 }

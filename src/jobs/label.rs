@@ -1,5 +1,5 @@
 //! Meshes that are found in a baked scene by their asset path and label,
-//! `level.glb#Mesh3/Primitive0`, since their content is on the GPU alone or shall not be hashed.
+//! `level.glb#Mesh3/Primitive0`, since their content is on the GPU alone, or is not to be hashed.
 //! They are compared by their number of triangles and by their bounding box. Not by vertices: where
 //! normals or textures have a seam, readers split them in ways of their own.
 
@@ -23,8 +23,8 @@ use crate::tag::parameters::Goal;
 #[derive(Resource, Debug, Default)]
 pub(super) struct Outlines(HashMap<AssetId<Mesh>, Outline>);
 
-/// After Bevy has told of new assets, and before the renderer hears of it. O(size) for each mesh
-/// that is for the GPU only.
+/// Runs after Bevy has sent the events of new assets, and before the renderer takes their data.
+/// O(size) for each mesh that is for the GPU only.
 pub(super) fn note_outlines(
     mut outlines: ResMut<Outlines>,
     mut events: MessageReader<AssetEvent<Mesh>>,
@@ -104,7 +104,7 @@ pub(super) struct Labels<'w> {
 }
 
 impl Labels<'_> {
-    /// The place in a scene of what a request asks for, or why it is not there.
+    /// The place in a baked scene of what a request is for, or why it has none.
     pub(super) fn find(
         &self,
         request: &ColliderRequest,
@@ -129,7 +129,7 @@ impl Labels<'_> {
         }
     }
 
-    /// The index of the one glTF mesh of which a request has primitives, as they are.
+    /// The index of the glTF mesh whose primitives a request has, if they are of one mesh.
     fn gltf_mesh(
         &self,
         request: &ColliderRequest,

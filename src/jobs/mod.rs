@@ -164,7 +164,8 @@ pub(super) struct Jobs {
     pool: Pool,
 }
 
-/// Threads are waited for when the pool goes, and shall not go on with what nobody takes.
+/// Dropping the pool joins its threads. The jobs are cancelled first, since nothing will take their
+/// results.
 impl Drop for Jobs {
     fn drop(&mut self) {
         self.running.iter().for_each(|job| job.control.cancel());
@@ -786,7 +787,7 @@ impl Sources<'_, '_> {
         })?;
         // Only baked hulls have no goal, and they are found above.
         let goal = request.goal.clone().ok_or(DecompositionError::NotLoaded)?;
-        // Triangles that are there are as good as those that are baked.
+        // The mesh's own triangles serve as well as baked ones.
         if goal.parameters().is_none() {
             baked = None;
         }

@@ -108,7 +108,7 @@ async fn bake(bytes: &[u8], context: &mut LoadContext<'_>) -> Result<HullScene, 
     let mut baked = Vec::new();
     let triangles = bake_triangles(&meshes, &options);
     for job in bake_jobs(meshes, &options) {
-        // The others shall have their hulls all the same, and the hierarchy says what is missing.
+        // A mesh that fails does not keep the others from their hulls; the hierarchy reports it.
         match contain_panics(|| Ok(job.run(&Control::new())?)) {
             Ok(mesh) => baked.push(mesh),
             Err(error) => {

@@ -39,7 +39,7 @@ pub(super) enum TaskInput {
     /// Meshes of what never moves, whose surface may be found in a baked scene: otherwise it waits
     /// again.
     Surface { meshes: Vec<PlacedData>, goal: Goal, baked: (UntypedAssetId, BakedScene) },
-    /// Known geometry, of which another shape is wanted.
+    /// Known geometry, from which another shape is built.
     Geometry { key: ContentKey, geometry: Arc<ColliderGeometry>, source: HullSource },
 }
 
@@ -330,7 +330,7 @@ fn hulls_in_parts(
     file: HullsFile,
     data: &MeshData,
 ) -> Result<Arc<ColliderGeometry>, DecompositionError> {
-    // A baked file may know better: the decomposition's own triangles.
+    // A baked file may hold the shares by the decomposition's own triangles, which are exact.
     let is_known = file.parts.len() == data.part_ends.len();
     if data.part_ends.len() < 2 || is_known {
         return Ok(ColliderGeometry::of_hulls(file, Vec::new()));

@@ -34,7 +34,7 @@ const MOST: usize = 31;
 const IN_NO_SYSTEM: u32 = 1;
 
 impl CollisionSystems {
-    /// With these names, of which the first has group 2. More than 31 have no group.
+    /// With these names. The first has group 2, and those after the 31st have none.
     pub fn new(names: impl IntoIterator<Item = impl Into<String>>) -> Self {
         Self { names: names.into_iter().take(MOST).map(Into::into).collect() }
     }

@@ -255,8 +255,8 @@ fn transform(node: &json::Node) -> Transform {
     }
 }
 
-/// Says what helps where Bevy's loader refuses a file that requires a physics extension: it knows
-/// no extension of others, and asks none of those that read them.
+/// Logs what helps where Bevy's loader refuses a file that requires a physics extension: it
+/// supports none of them, and does not call the handlers that do.
 pub(super) fn explain_refusal(entity: Entity, error: &str) {
     if error.contains("extensionsRequired")
         && PHYSICS_EXTENSIONS.iter().any(|extension| error.contains(extension))

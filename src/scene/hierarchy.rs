@@ -45,7 +45,7 @@ use crate::tag::template::template_like_default;
 #[require(HierarchyStatus, HierarchyWork, GivesSurface, Transform)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
 pub struct ConvexDecompositionHierarchy {
-    /// For meshes of which nothing else is said; `None` to leave them alone.
+    /// For meshes without a treatment of their own; `None` to leave them alone.
     pub default_tag: Option<ConvexDecomposition>,
     /// By the name of the node or the mesh; `None` to leave it out.
     #[cfg_attr(feature = "serde", serde(with = "by_name"))]

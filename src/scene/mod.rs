@@ -278,7 +278,7 @@ fn reopen(
     }
 }
 
-/// Ends the hierarchies all of whose meshes are finished.
+/// Ends the hierarchies whose meshes are all finished.
 fn finish_hierarchies<E: Engine>(
     mut commands: Commands,
     mut hierarchies: Query<(
@@ -393,7 +393,7 @@ impl DecompositionProgress {
 
 /// A run condition: nothing that is tagged waits or is at work, and no scene below a
 /// [`ConvexDecompositionHierarchy`](crate::ConvexDecompositionHierarchy) is still to come. It looks
-/// at every tagged entity, so it also knows those of this frame. O(tagged entities).
+/// at every tagged entity, so it includes those of this frame. O(tagged entities).
 ///
 /// ```
 /// use bevy::prelude::*;

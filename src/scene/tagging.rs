@@ -436,8 +436,7 @@ pub(super) fn tag_hierarchies<E: Engine>(
     complaints.log(&descriptions);
 }
 
-/// One that is removed before it has ended is waited for by nobody. What it has tagged stays
-/// tagged.
+/// A hierarchy that is removed before it has ended sends no event. What it has tagged stays tagged.
 pub(super) fn on_hierarchy_gone(
     removed: On<Remove<ConvexDecompositionHierarchy>>,
     mut commands: Commands,
@@ -548,8 +547,8 @@ impl<E: Engine> Rules<'_, '_, '_, E> {
     }
 
     /// By hulls that the file has of a mesh, or else, if nothing is said of the node, by what its
-    /// physics extension says. A mesh of which that says nothing has no collider. Hulls that nobody
-    /// edited are what a decomposition would give, and stand for it where there would be one.
+    /// physics extension says. A mesh of which that says nothing has no collider. Unedited
+    /// hulls are what a decomposition would give, and stand for it where there would be one.
     #[cfg(feature = "bevy_gltf")]
     fn by_file(&self, node: Entity, said: Option<Treatment>) -> Option<Treatment> {
         let (made_of, hulls, physics) = self.nodes.declared.get(node).ok()?;

@@ -35,7 +35,7 @@ pub(crate) enum Goal {
 }
 
 impl Goal {
-    /// What a tag asks for, if it gets no triangles. Where it says nothing of a probe,
+    /// What a tag requests, if it gets no triangles. Where it has no probe of its own,
     /// `probe_radius` holds.
     pub(crate) fn of(tag: &ConvexDecomposition, probe_radius: Option<f32>) -> Self {
         let mut goal = Self::of_tag(tag);

@@ -32,8 +32,8 @@ pub struct HullwrightSettings {
     /// through the floor. Its components stay as they are: the physics engine's own body is held,
     /// during its steps. Default true.
     pub freeze_until_ready: bool,
-    /// An entity that has waited for this long for a mesh is logged, once: most likely nobody will
-    /// give it one. `None` for never. Default 5 s.
+    /// An entity that has waited for this long for a mesh is logged, once: most likely it will
+    /// never get one. `None` for never. Default 5 s.
     pub warn_without_mesh_after: Option<Duration>,
     /// Whether what never moves, on fixed bodies (Avian: static) and without a body, gets its exact
     /// triangle mesh instead of hulls: nothing is gained by hulls there. Sensors get hulls, since

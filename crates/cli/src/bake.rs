@@ -500,7 +500,7 @@ fn bake_into_file(
     }
     let written_file = file.write(form, &meshes).map_err(|error| error.to_string());
     let written_file = written_file.and_then(|bytes| {
-        // What watches the file shall see changes only.
+        // An unchanged file is not written again: that would make asset watchers reload it.
         if std::fs::read(&output).is_ok_and(|before| before == bytes) {
             return Ok(());
         }

@@ -132,7 +132,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     open_written(arguments, &output)
 }
 
-/// Opens what was written, if that is wanted.
+/// Opens what was written, under `--open`.
 fn open_written(arguments: &Arguments, output: &Path) -> Result<(), Failure> {
     if arguments.open {
         open::that_detached(output)

@@ -10,8 +10,8 @@ use crate::picture::is_for_show;
 /// Pixels along each side of the shadow map.
 const SHADOW_MAP: usize = 1024;
 
-/// Draws edges as they come and shadows without a soft rim, if the processor draws. A picture that
-/// is asked for by `--screenshot` stays as it is.
+/// Draws edges as they come and shadows without a soft rim, if the processor draws. Pictures of
+/// `--screenshot` stay as they are.
 pub fn draw_less(
     mut commands: Commands,
     adapter: Option<Res<RenderAdapterInfo>>,

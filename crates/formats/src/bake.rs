@@ -221,8 +221,8 @@ pub fn extras_complaints(meshes: &[SceneMesh]) -> Vec<String> {
 }
 
 impl BakeJob {
-    /// Decomposes the mesh. Its mass properties are at a density of 1, and its hulls know what they
-    /// are made of, if the mesh's file says it.
+    /// Decomposes the mesh. Its mass properties are at a density of 1, and its hulls have the
+    /// parts that they are made of, if the mesh's file names them.
     ///
     /// # Errors
     /// As [`decompose`](hullwright::decompose()).

@@ -151,8 +151,8 @@ impl Content {
         self.record.as_ref().ok().filter(|_| is_unedited)
     }
 
-    /// Whether someone edited the hulls, or wrote what can't be read. A group without any hull has
-    /// nothing of anyone's: a program lost them that does not know how they stand in the file.
+    /// Whether the hulls were edited, or are in a form that can't be read. A group without any hull
+    /// does not count: a program that does not know the extension dropped them.
     fn is_kept(&self) -> bool {
         self.unedited().is_none() && !self.hulls.is_empty()
     }

@@ -1,7 +1,7 @@
 //! Skins of a glTF scene: where their joints put a mesh at rest.
 //!
 //! A vertex of a skinned mesh stands where its joints are, and the transform of the mesh's own node
-//! counts for nothing. Exporters mostly bind a mesh where it stands, so that both agree but for
+//! counts for nothing. Exporters mostly bind a mesh where it stands, so that both agree except for
 //! rounding. An armature with a scale or a rotation of its own moves all of the mesh. A pose moves
 //! limbs; a collider is better made of the mesh as it was modelled.
 

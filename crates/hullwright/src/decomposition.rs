@@ -45,11 +45,14 @@ pub struct HullErrors {
     /// How far hull simplification, or the limit on vertices, made the hull grow: no point of it is
     /// farther than this from the hull before.
     pub simplification_growth: f64,
-    /// Protrusion: no point of the hull's surface is farther than this outside the solid. It is
-    /// verified against the source. An upper bound: of closed meshes never below 0.29 of the
-    /// requested bound and too large by at most 4 % of it, or of itself where it is above; of open
-    /// ones never below 0.79. Where a closer look would take long it may be as large as the bound.
-    /// `None` for methods that verify nothing.
+    /// Protrusion: no point of the hull's surface is farther than this outside the solid. `None`
+    /// for methods that verify nothing.
+    ///
+    /// An upper bound, verified against the source. It exceeds the true protrusion by at most 4 %
+    /// of the requested bound, or by 4 % of itself where it is above that bound, with two
+    /// exceptions: smaller protrusions are not resolved, so that it is at least 0.29 of the bound
+    /// for a closed mesh and 0.79 for an open one; and where resolving it would take too long, it
+    /// may be as large as the bound.
     pub protrusion_max: Option<f64>,
 }
 

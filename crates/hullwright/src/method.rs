@@ -58,7 +58,7 @@ pub enum MethodReport {
     Bounded(Report),
     /// Of the paper's method.
     Surface(SurfaceReport),
-    /// Of the one hull of all points, of which nothing is verified.
+    /// Of the one hull of all points, which is not verified.
     Hull,
 }
 
@@ -393,7 +393,7 @@ async fn hull_of_all(
     Ok(Decomposition { hulls, grouped, run: input.report(stages, false), report: () })
 }
 
-/// Fields as bytes, none of which can be taken for two others.
+/// Fields as bytes, unambiguously: different fields never give the same bytes.
 #[derive(Default)]
 struct Fingerprint(Vec<u8>);
 

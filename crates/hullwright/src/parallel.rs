@@ -83,7 +83,7 @@ pub(crate) fn map_until<T: Sync, R: Send>(
     results
 }
 
-/// Results by their indices, of which all are different.
+/// Results by their indices, which are all different.
 fn in_order<R>(count: usize, results: impl IntoIterator<Item = (usize, R)>) -> Vec<R> {
     let mut places: Vec<Option<R>> = (0..count).map(|_| None).collect();
     for (index, result) in results {
@@ -132,7 +132,7 @@ struct Fold<S, R, E> {
 }
 
 impl<S, R, E> Fold<S, R, E> {
-    /// Adds the results of items all of whose predecessors are done.
+    /// Adds the results of items whose predecessors are all done.
     fn add_ready<T>(
         &mut self,
         items: &[T],

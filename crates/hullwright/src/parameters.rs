@@ -397,8 +397,8 @@ pub enum Preset {
 
 named!(Preset: Fast = "fast", Balanced = "balanced", Fine = "fine"; "fast, balanced or fine");
 
-/// What becomes of the openings of a mesh: the sides that a modeller leaves out since nobody sees
-/// them.
+/// What becomes of the openings of a mesh: the sides that a modeller leaves out since they are
+/// never seen.
 #[non_exhaustive]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

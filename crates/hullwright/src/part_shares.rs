@@ -20,11 +20,11 @@ pub struct PartShare {
 
 /// For each hull the parts of the mesh that it is made of, the largest share first. Parts are what
 /// the caller says, by a number for each triangle: materials, primitives, nodes, or whatever else a
-/// game has to know of a hull that was hit.
+/// game looks up for a hull that was hit.
 ///
 /// A hull stands for its [source triangles](crate::decomposition::Provenance::source_triangles).
-/// Hulls that do not know them, as those of a file, stand for the triangles whose centres are
-/// nearest to their surface. One that stands for none is made of what is nearest to it. Shares of a
+/// Hulls without any, such as those of a file, stand for the triangles whose centres are nearest
+/// to their surface. One that stands for none is made of what is nearest to it. Shares of a
 /// hull add up to 1; there are none only where the mesh has no area.
 ///
 /// ```
@@ -44,7 +44,7 @@ pub struct PartShare {
 /// # Ok::<(), hullwright::Error>(())
 /// ```
 ///
-/// O(n) for n triangles where hulls know their triangles, O(n · faces of hulls near them)
+/// O(n) for n triangles where hulls have source triangles, O(n · faces of hulls near them)
 /// otherwise.
 ///
 /// # Errors

@@ -119,7 +119,7 @@ impl Stages {
         self.run_slice(stage, 0.0, work).await
     }
 
-    /// Runs a slice of a stage, a share of which is done before.
+    /// Runs a slice of a stage. `share` is the fraction of the stage that was done before.
     ///
     /// # Errors
     /// As [`run`](Self::run).

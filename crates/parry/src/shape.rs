@@ -71,9 +71,9 @@ fn scaled_hull(
     single_precision(&scaled, builder)
 }
 
-/// A hull that Parry refuses is tried again with these tolerances, as shares of its extent: Parry
-/// loses faces to slivers. From the usual one, of what was rounded, to what shows on a hull a metre
-/// wide.
+/// A hull that Parry refuses is built again with these tolerances, as fractions of its extent,
+/// since Parry drops faces where there are slivers. The first is the usual one, which removes what
+/// rounding leaves; the last is one millimetre for a hull a metre wide.
 const TOLERANCES: [f64; 4] = [DEFAULT_TOLERANCE, 1e-5, 1e-4, 1e-3];
 
 /// The same hull with fewer and fewer slivers, for those that Parry refuses.

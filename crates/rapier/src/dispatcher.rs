@@ -227,7 +227,7 @@ impl QueryDispatcher for ContactDispatcher {
     }
 }
 
-/// Two convex shapes, of which the contacts are wanted.
+/// Two convex shapes whose contacts are computed.
 #[derive(Clone, Copy)]
 struct Pair<'a> {
     pub shape1: &'a dyn Shape,

@@ -52,7 +52,7 @@ impl Side {
 }
 
 /// Drops the contacts of `other` with what lies inside of a compound, the `side` of a pair. Of
-/// contacts that exclude each other the deepest stays, so that no body loses its last one. O(n²) in
+/// contacts that exclude each other the deepest stays, so that every body keeps one. O(n²) in
 /// the manifolds with contacts.
 pub(super) fn drop_inner_contacts<M, C>(
     compound: &Compound,

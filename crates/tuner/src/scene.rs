@@ -33,8 +33,9 @@ const HOOK_SHARE: f32 = 0.45;
 /// Room under what hangs, in metres.
 const UNDER: f32 = 0.35;
 
-/// Things turn as in air. What hangs is damped more: a swing loses as much as Rapier's contacts,
-/// which stay where they are during a step, give it, and comes to rest in some seconds.
+/// Things turn as in air. What hangs is damped more: Rapier's contacts stay in place during a step,
+/// which adds energy to a swing. The damping removes as much, so that it comes to rest in some
+/// seconds.
 const AIR: Damping = Damping { linear_damping: 0.1, angular_damping: 0.5 };
 const HANGING: Damping = Damping { linear_damping: 0.1, angular_damping: 1.5 };
 

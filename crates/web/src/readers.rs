@@ -30,8 +30,8 @@ impl MeshReader {
 
     /// Reads a file of a format: `obj`, `off`, `ply`, `stl`, `gltf` or `glb`.
     ///
-    /// A glTF names others by paths relative to its own. A browser may know nothing but their
-    /// names: then the last part of the path is enough.
+    /// A glTF names others by paths relative to its own. A browser may only have their names: then
+    /// the last part of the path is enough.
     ///
     /// # Errors
     /// `file` says what is wrong with it, and where.

@@ -22,7 +22,7 @@ pub(in crate::jobs) struct DiskCache {
     state: Arc<DiskState>,
 }
 
-/// What this process knows of the directory.
+/// What this process has read of the directory.
 #[derive(Debug, Default)]
 pub(in crate::jobs) struct DiskState {
     /// Bytes that may be written before the directory is looked at again. The first file that is
@@ -112,7 +112,7 @@ impl DiskCache {
     }
 }
 
-/// One that is gone meanwhile, or of which nothing is known, is left out.
+/// Files that are gone meanwhile, or have no metadata, are left out.
 fn file_in(entry: std::io::Result<DirEntry>) -> Option<(DirEntry, Metadata)> {
     let entry = entry.ok()?;
     let metadata = entry.metadata().ok()?;

@@ -261,7 +261,8 @@ fn length(value: &Value) -> Option<Length> {
         _ => Length::Share(positive(value)?),
     };
     let (Length::Share(number) | Length::Units(number)) = length;
-    // Engines hold settings in single precision; what is baked shall have the very same.
+    // Engines store settings in single precision: baked ones are rounded likewise, so that both are
+    // equal.
     let number: f64 = (number as f32).to_string().parse().ok()?;
     let is_sound = number.is_finite() && number > 0.0;
     is_sound.then_some(match length {

@@ -185,7 +185,7 @@ impl HullsRecord {
         self.about.algorithm_version
     }
 
-    /// The parts of the mesh that the hulls are made of; empty where nobody said.
+    /// The parts of the mesh that the hulls are made of; empty where none were given.
     pub fn parts(&self) -> &[MeshPart] {
         &self.about.parts
     }
@@ -661,7 +661,7 @@ mod tests {
     #[test]
     fn numbers_come_back_to_the_last_bit() {
         let mut baked = bars();
-        // Those of which a reader that is not careful loses the last bit.
+        // Numbers whose last bit a careless reader loses.
         baked.hulls.diagonal = 31.245_270_191_439_438;
         baked.hulls.bound = Some(8.41e21);
         baked.hulls.verified = Some(VerifiedErrors::new(5e-324, f64::MAX));

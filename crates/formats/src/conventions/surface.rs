@@ -70,7 +70,7 @@ pub struct SurfaceProperties {
     pub contact_skin: Option<f32>,
 }
 
-/// The keys, what they take, and whether nobody else would have them.
+/// The keys, the values that they take, and whether no other tool uses them.
 pub(super) const SURFACE_SETTINGS: [(&str, &str, bool); 10] = [
     ("friction", "a number from 0", false),
     ("friction_combine_rule", RULES_TEXT, true),

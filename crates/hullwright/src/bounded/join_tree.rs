@@ -133,9 +133,9 @@ impl JoinTree {
     }
 }
 
-/// Joint hulls that grow to keep the limit on vertices, of those that are built for a join, at
-/// most. Bounds know only the gaps between hulls: where joint hulls protrude by their growth, the
-/// bounds of all pairs are too low, and all would be built.
+/// Of the joint hulls that are built for one join, at most this many may grow to keep the limit on
+/// vertices. Lower bounds are computed from the gaps between hulls alone: where joint hulls
+/// protrude by their growth, the bounds of all pairs are too low, and all would be built.
 const MOST_GROWN: usize = 8;
 
 /// How a pair's protrusion is known.

@@ -1,7 +1,7 @@
 //! The mesh that is divided into patches: the coarse surface cut into facets, or, if it has many
 //! triangles, simplified and refined; of one of many components what is in no bundle of them.
 //!
-//! Takes the coarse surface, gives the mesh of which patches are made. Each of its triangles
+//! Takes the coarse surface, gives the mesh that is divided into patches. Each of its triangles
 //! represents the triangles of the coarse surface that are closest to it. So the hulls of patches
 //! cover that surface, and not only what simplification left of it.
 

@@ -62,8 +62,8 @@ pub struct FragmentVertex {
     pub weights: [f32; 3],
 }
 
-/// Vertices nearer to a plane lie in it, as a fraction of the diagonal of the bounding box: single
-/// precision can't tell them from it.
+/// Vertices nearer to a plane count as in it, as a fraction of the diagonal of the bounding box:
+/// single precision can't resolve less.
 const IN_PLANE: f64 = 1e-7;
 
 /// Physics engines take time with the number of vertices of a hull, and fragments are many.
@@ -76,11 +76,11 @@ const SIZE: f64 = 0.99;
 /// Breaks a mesh into fragments, one for each hull, or for each group of hulls with one number.
 ///
 /// Planes divide the hulls until each is alone. Each lies along a face of one of two neighbours, in
-/// the middle of where they overlap or at an end of that, and of all such planes the one comes first
-/// that leaves least of the hulls' volume on the wrong side. So space is shared out where hulls
-/// overlap, and hulls that differ a little are cut in nearly the same places. The mesh is cut by
-/// them. Cuts are closed, for each connected part of the mesh on its own, also of an open
-/// mesh where [`openings`](crate::openings) take it for solid; openings stay open. Triangles of all
+/// the middle of where they overlap or at an end of that, and of all such planes the one comes
+/// first that leaves least of the hulls' volume on the wrong side. So space is shared out where
+/// hulls overlap, and hulls that differ a little are cut in nearly the same places. The mesh is cut
+/// by them. Cuts are closed, for each connected part of the mesh on its own, also of an open mesh
+/// where [`openings`](crate::openings) take it for solid; openings stay open. Triangles of all
 /// fragments together have the area of the mesh, and closed fragments its volume.
 ///
 /// ```
@@ -106,7 +106,7 @@ const SIZE: f64 = 0.99;
 /// # }
 /// ```
 ///
-/// A fragment of which there is nothing to draw is left out. Fragments are in the order of their
+/// A fragment without anything to draw is left out. Fragments are in the order of their
 /// groups.
 /// O(t log h + h²) for t triangles and h hulls, as long as planes halve both.
 ///

@@ -205,7 +205,7 @@ pub struct TriangleMesh {
 }
 
 impl TriangleMesh {
-    /// A mesh of which it is not known which sides are drawn.
+    /// A mesh for which it is unknown which sides are drawn.
     pub fn new(positions: Vec<[f64; 3]>, triangles: Vec<[u32; 3]>) -> Self {
         Self { positions, triangles, sidedness: Vec::new() }
     }

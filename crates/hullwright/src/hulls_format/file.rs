@@ -54,7 +54,7 @@ pub struct HullsFile {
     /// The hulls. Which triangles of the mesh they stand for is not kept:
     /// [`source_triangles`](crate::Provenance::source_triangles) is empty.
     pub hulls: Vec<Hull>,
-    /// The parts of the mesh that the hulls are made of; empty where nobody said.
+    /// The parts of the mesh that the hulls are made of; empty where none were given.
     pub parts: Vec<MeshPart>,
     /// For each hull its shares of the parts, of which [`part`](PartShare::part) is the index: the
     /// largest first, adding up to 1. A hull has none where the mesh's area is no number. The list
@@ -167,8 +167,8 @@ impl HullsFile {
         }
     }
 
-    /// Hulls of any tool, of whose making nothing is known: the algorithm's version and the mesh's
-    /// counts are 0, and whoever knows more sets the fields.
+    /// Hulls of any tool. How they were made is unknown: the algorithm's version and the mesh's
+    /// counts are 0. Set the fields where you have them.
     ///
     /// ```
     /// use hullwright::hulls_format::HullsFile;
@@ -235,14 +235,14 @@ impl HullsFile {
         self
     }
 
-    /// The part that most of a hull is made of; `None` where nobody said, or for a hull that is not
-    /// there.
+    /// The part that most of a hull is made of; `None` where no parts were given, or `hull` is out
+    /// of range.
     pub fn part(&self, hull: usize) -> Option<&MeshPart> {
         self.parts.get(self.shares(hull).first()?.part as usize)
     }
 
-    /// The shares of a hull, the largest first; none where nobody said, or for a hull that is not
-    /// there.
+    /// The shares of a hull, the largest first; none where no parts were given, or `hull` is out of
+    /// range.
     pub fn shares(&self, hull: usize) -> &[PartShare] {
         self.part_shares.get(hull).map_or(&[], Vec::as_slice)
     }

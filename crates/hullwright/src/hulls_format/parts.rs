@@ -73,7 +73,7 @@ pub(super) fn check(parts: usize, shares: &[Vec<PartShare>], hulls: usize) -> Ch
     })
 }
 
-/// Writes parts, of which there are some, and shares, which were checked.
+/// Writes parts, at least one, and shares, which were checked before.
 pub(super) fn write(
     bytes: &mut Vec<u8>,
     parts: &[MeshPart],

@@ -1,4 +1,5 @@
-//! Points of which no two can be in one hull: a large clique of the graph of conflicts.
+//! Points that need a hull each, since no two can be in one: a large clique of the graph of
+//! conflicts.
 //!
 //! The search is local, as in Pullan and Hoos, "Dynamic local search for the maximum clique
 //! problem" (2006): a point joins that is apart from all others, or takes the place of the one that

@@ -247,7 +247,7 @@ impl<'a> Separated<'a> {
     }
 }
 
-/// Gives each component of which too little is left a coarse version of its own.
+/// Replaces each component that has collapsed too far by a coarse version of its own.
 fn bring_back_lost(
     mesh: &Separated<'_>,
     components: &[u32],

@@ -34,7 +34,8 @@ const SAMPLES: usize = 24;
 /// than welding moves a surface, less than any wall that counts.
 const STEP: f64 = 1e-4;
 
-/// Filling a cavity puts what lay loose in it within the solid: that is found in the next pass.
+/// Passes that look for nested shells, at most. A shell that lies loose in a cavity is only
+/// inside once the cavity is filled, and found by the pass after that.
 const NESTED_PASSES: usize = 4;
 
 /// A repaired mesh with its openings closed.

@@ -26,9 +26,9 @@ const LARGEST_STEP: f64 = 1e6;
 /// The same where no shorter length is tried afterwards.
 const LARGEST_LAST_STEP: f64 = 1.0;
 
-/// Shorter distances are not told apart, as a fraction of the diagonal of both surfaces: less than
-/// coordinates of 32 bits are rounded by. To decide shorter lengths takes parts without end where
-/// such coordinates make faces bend.
+/// Shorter distances are not resolved, as a fraction of the diagonal of both surfaces: it is less
+/// than the rounding of 32-bit coordinates. Where that rounding bends faces, shorter distances
+/// would take parts without end.
 const FLOOR: f64 = 1e-8;
 
 /// Parts of a triangle before it waits for a greater length.

@@ -11,8 +11,8 @@ use crate::bvh::Bvh;
 use crate::bvh::closest_point::EXACT;
 use crate::geometry::vector::{Vector, larger};
 
-/// A part smaller than this fraction of the length whose centre does not decide it is beyond the
-/// length: it is as good as that far away.
+/// A part smaller than this fraction of the length is not divided. If its centre does not decide
+/// it, it counts as beyond the length: it is almost that far away.
 const RESOLUTION: f64 = 0.02;
 
 /// A part whose centre is no deeper than this over a triangle, in the pipeline's space, is not cut

@@ -12,7 +12,7 @@ use crate::parameters::{
 /// benchmark has bounding-box diagonals of 1.0 to 3.0 with a median of 2.24.
 const PAPER_UNIT: Length = Length::Share(1.0 / 2.24);
 
-/// β of HACD, for want of a value in the paper: that of ε. Over Princeton's meshes it costs about
+/// β of HACD. The paper gives no value; this is that of ε. Over Princeton's meshes it costs about
 /// as much as the paper's own method (`crates/lab/reports/paper/paper-experiments.md`).
 const DEFAULT_CONCAVITY_THRESHOLD: f64 = 0.05;
 

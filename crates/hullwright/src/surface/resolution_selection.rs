@@ -5,10 +5,10 @@
 //! - The cut-off μ acts after a resolution "greater than 500" in the text, but after r = 500 in
 //!   its experiments (model 72). Here it acts from 500 on.
 //! - Pieces, of which k is the average, are counted as in threshold selection.
-//! - R is tried in ascending order, whatever order it is given in, since the cut-off speaks of
-//!   higher resolutions; equal values count once.
-//! - Of equal costs the lower resolution wins; costs are equal where only rounding tells them
-//!   apart.
+//! - R is tried in ascending order, whatever order it is given in, since the cut-off is about higher
+//!   resolutions; equal values count once.
+//! - Of equal costs the lower resolution is taken; costs that differ by no more than rounding are
+//!   equal.
 //! - The steps of simplification go on from the next finer level, since the steps from the source
 //!   would be the same. A resolution whose mesh is the same as that of the one before would only
 //!   repeat it.

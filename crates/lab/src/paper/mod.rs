@@ -92,7 +92,7 @@ fn all_of(models: &[Model], parameters: &SurfaceParameters) -> Result<Vec<Found>
     models.iter().map(|model| decomposed(&model.mesh, parameters)).collect()
 }
 
-/// The paper's values but for some.
+/// The paper's parameters, with some changed.
 fn paper_with(change: impl FnOnce(&mut SurfaceParameters)) -> SurfaceParameters {
     let mut parameters = SurfaceParameters::paper();
     change(&mut parameters);

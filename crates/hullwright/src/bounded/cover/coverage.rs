@@ -58,7 +58,7 @@ pub(super) fn area(patches: &Patches, set: &PatchSet) -> f64 {
     set.iter().map(|patch| patches[patch].area).sum()
 }
 
-/// Drops pieces all of whose patches are covered by others, smallest first.
+/// Drops pieces that others cover entirely, smallest first.
 pub(super) fn drop_redundant(patches: &Patches, pieces: &mut Vec<Piece>) {
     let mut by_area: Vec<(f64, Piece)> =
         pieces.drain(..).map(|piece| (area(patches, &piece.patches), piece)).collect();

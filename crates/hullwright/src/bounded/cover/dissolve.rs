@@ -17,7 +17,7 @@ use crate::sorting::{sort_by, sort_by_number};
 
 /// Pieces that are attempted between two checks of the budget, and may be attempted in parallel: as
 /// many as there are processors in a desktop machine, and few enough for the deadline. They do not
-/// learn from each other.
+/// share their nogoods.
 const AT_ONCE: usize = 16;
 
 /// Comparing with this many pieces takes about as long as testing a joint hull.
@@ -27,7 +27,8 @@ const PIECES_PER_ATTEMPT: usize = 16;
 /// dissolved, most of the others must keep the same.
 type Cores = Mutex<HashMap<PatchSet, Piece>>;
 
-/// Cores that are remembered: a limit on memory, of which each takes some ten kilobytes.
+/// Cores that are remembered. Each takes about ten kilobytes, so that this limits memory to ten
+/// megabytes.
 const MAX_CORES: usize = 1024;
 
 /// Dissolves pieces under a bound, those of least exclusive area first, until no piece can be

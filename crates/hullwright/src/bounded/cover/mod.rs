@@ -30,7 +30,7 @@ use nogoods::{Learning, Nogoods, PointsOfPatches};
 /// all meshes need.
 const LAST_ROUND_BUDGET: f64 = 0.1;
 
-/// Pieces that may grow at the same time. They do not learn from each other.
+/// Pieces that may grow at the same time. They do not share their nogoods.
 const AT_ONCE: usize = 4;
 
 /// Few pieces that cover all patches.

@@ -7,9 +7,9 @@
 //! three, where [`Patches::conflicts`] are of two. A nogood refuses a hull before anything is
 //! built: O(1) for each that the new patch is part of. The word is that of constraint solving.
 //!
-//! What is learned depends only on the hulls that an attempt tests. Attempts at the same time do
-//! not learn from each other: what they have learned is added in their order. So no result depends
-//! on threads.
+//! The nogoods of an attempt depend only on the hulls that it tests. Concurrent attempts do not see
+//! each other's: they are added afterwards, in the order of the attempts. So no result depends on
+//! threads.
 
 use std::collections::{HashMap, HashSet};
 
