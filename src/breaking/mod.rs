@@ -82,8 +82,8 @@ pub trait BreakApartExt {
     /// scale and dominance of its body.
     ///
     /// It takes effect at once: some milliseconds for a prop of thousands of triangles. An entity
-    /// that has no hulls yet, or triangles instead, stays as it is, and the log says so. For
-    /// one that is despawned or already broken, nothing happens.
+    /// that has no hulls yet, or triangles instead, stays as it is, and the log says so. For one
+    /// that is despawned or already broken, nothing happens.
     fn break_apart(&mut self, grouping: HullGrouping) -> &mut Self;
 }
 

@@ -40,9 +40,8 @@ use crate::jobs::cache::ColliderGeometry;
 /// [`subshape_at`](crate::subshape_at) finds it by the point that was hit.
 ///
 /// A collider of one part is made of that. A box, ball or capsule is made of all parts alike: then
-/// no part is known. A [`BakedDecomposition`](crate::BakedDecomposition) has the parts of its
-/// file, where as many meshes are there; and [`baked_part`](Self::baked_part) names them
-/// without any.
+/// no part is known. A [`BakedDecomposition`](crate::BakedDecomposition) has the parts of its file,
+/// where as many meshes are there; and [`baked_part`](Self::baked_part) names them without any.
 #[derive(Component, Debug, Clone)]
 pub struct ColliderParts {
     entities: Vec<Entity>,

@@ -1,4 +1,4 @@
-//! Debug lines around the camera: colliders, and marks on entities that wait, are frozen or failed.
+//! Debug lines for what is near: colliders, and marks on entities that wait, are frozen or failed.
 
 use bevy::camera::primitives::Aabb;
 use bevy::color::{Color, Hsla, Srgba};

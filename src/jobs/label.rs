@@ -129,7 +129,7 @@ impl Labels<'_> {
         }
     }
 
-    /// The index of the glTF mesh whose primitives a request has, if they are of one mesh.
+    /// The index of the one glTF mesh whose primitives a request has, none of them transformed.
     fn gltf_mesh(
         &self,
         request: &ColliderRequest,

@@ -436,7 +436,8 @@ pub(super) fn tag_hierarchies<E: Engine>(
     complaints.log(&descriptions);
 }
 
-/// A hierarchy that is removed before it has ended sends no event. What it has tagged stays tagged.
+/// Nothing waits for a hierarchy that is removed before it has ended. What it has tagged stays
+/// tagged.
 pub(super) fn on_hierarchy_gone(
     removed: On<Remove<ConvexDecompositionHierarchy>>,
     mut commands: Commands,

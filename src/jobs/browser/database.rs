@@ -28,7 +28,7 @@ const STORES: [&str; 2] = ["hulls", "uses"];
 /// answers come.
 const PATIENCE: Duration = Duration::from_secs(10);
 
-/// Empty: what the native store keeps for the process is thread-local here.
+/// Empty: what handles of the native store share is thread-local here.
 #[derive(Debug, Default)]
 pub(in crate::jobs) struct DiskState;
 

@@ -22,7 +22,7 @@ pub(in crate::jobs) struct DiskCache {
     state: Arc<DiskState>,
 }
 
-/// What this process has read of the directory.
+/// What all handles to the directory share.
 #[derive(Debug, Default)]
 pub(in crate::jobs) struct DiskState {
     /// Bytes that may be written before the directory is looked at again. The first file that is

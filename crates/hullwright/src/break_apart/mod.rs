@@ -106,8 +106,8 @@ const SIZE: f64 = 0.99;
 /// # }
 /// ```
 ///
-/// A fragment without anything to draw is left out. Fragments are in the order of their
-/// groups.
+/// A fragment without anything to draw is left out. Fragments are in the order of their groups.
+///
 /// O(t log h + h²) for t triangles and h hulls, as long as planes halve both.
 ///
 /// # Errors

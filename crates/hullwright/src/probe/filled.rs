@@ -36,9 +36,8 @@ const MARGIN: f64 = 2.0;
 /// off.
 const ON_MESH: f64 = 0.5;
 
-/// Half the side of the smallest parts of space that are resolved, in cells: their planes are off
-/// by
-/// 0.02 cells.
+/// Half the side of the smallest parts of space that are resolved, in cells: their planes
+/// are off by 0.02 cells.
 const LEAST_HALF: f64 = 0.25;
 
 /// What samples may be off, in cells.

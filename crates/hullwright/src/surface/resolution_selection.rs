@@ -5,8 +5,8 @@
 //! - The cut-off μ acts after a resolution "greater than 500" in the text, but after r = 500 in
 //!   its experiments (model 72). Here it acts from 500 on.
 //! - Pieces, of which k is the average, are counted as in threshold selection.
-//! - R is tried in ascending order, whatever order it is given in, since the cut-off is about higher
-//!   resolutions; equal values count once.
+//! - R is tried in ascending order, whatever order it is given in, since the cut-off is about
+//!   higher resolutions; equal values count once.
 //! - Of equal costs the lower resolution is taken; costs that differ by no more than rounding are
 //!   equal.
 //! - The steps of simplification go on from the next finer level, since the steps from the source
