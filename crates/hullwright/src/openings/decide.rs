@@ -7,6 +7,8 @@
 //! fronts of other solids that are stuck into this one, which the ray leaves again through their
 //! backs.
 
+use std::collections::BTreeSet;
+
 use super::cap::{Cap, LoopFill, fill_loops, is_cut};
 use super::opening::{Loop, Opening, OpeningOutcome, boundary_loops};
 use crate::bvh::{Bvh, Hit};
@@ -17,7 +19,7 @@ use crate::geometry::{MeshView, Sidedness};
 use crate::mesh::PreparedMesh;
 use crate::parallel;
 use crate::parameters::{Length, Openings, Parameters, UpAxis};
-use crate::sorting::sort_by;
+use crate::sorting::{sort_by, sort_by_key};
 
 /// A cap that meets the surface around it at less than this, in radians (30°), closes a sheet onto
 /// itself.
@@ -50,6 +52,18 @@ const MOST_CAPPED: f64 = 0.5;
 /// Points of every cap that rays start from before any cap has more of them. A surface that is no
 /// solid shows that by its first rays, and the others are left out.
 const POINTS_AT_ONCE: usize = 4;
+
+/// A cap from so many of whose points nothing is seen, and few rays end on another cap, has no rays
+/// from its other points.
+const POINTS_OF_CLEAR: usize = POINTS / 2;
+
+/// Where more of a cap's points than this are all within the solid, or all outside, the others are
+/// as a rule.
+const POINTS_THAT_AGREE: usize = POINTS / 4;
+
+/// Caps with this share of all rims' length are looked through before the others: if they fall,
+/// most of the others are fragments, without a ray.
+const LONGEST: f64 = 0.5;
 
 /// A ray through more faces than this decides nothing.
 const MOST_HITS: usize = 32;
@@ -104,18 +118,25 @@ pub(super) struct Closing {
 /// A cap, and whether it is closed or why not.
 type JudgedCap = (Cap, OpeningOutcome);
 
+/// The rims of caps through which something is seen, each by its vertices in the source, ascending.
+#[derive(Default)]
+pub(super) struct SeenRims(BTreeSet<Vec<u32>>);
+
 /// Judges each opening of a repaired mesh. The materials of `source` say which sides of faces are
-/// drawn.
+/// drawn. `seen` are the rims of those that a pass before this one has left since something is seen
+/// through them, and then those of this pass too: they are looked through first, and nearly all fall
+/// again.
 pub(super) fn judge(
     prepared: &PreparedMesh,
     source: MeshView<'_>,
     settings: &OpeningSettings,
+    seen: &mut SeenRims,
     control: &Control,
 ) -> Result<Closing, Error> {
     let loops = boundary_loops(prepared.mesh.points(), &prepared.mesh.triangles);
     control.check()?;
     let flatness = settings.flatness_in(prepared);
-    Judge { prepared, source, settings, control, loops, flatness }.closing()
+    Judge { prepared, source, settings, control, loops, flatness }.closing(seen)
 }
 
 /// A repaired mesh and the loops of its boundary.
@@ -134,7 +155,7 @@ impl Judge<'_> {
         self.prepared.mesh.points()
     }
 
-    fn closing(&self) -> Result<Closing, Error> {
+    fn closing(&self, seen: &mut SeenRims) -> Result<Closing, Error> {
         let mut closing = Closing::default();
         let mut caps: Vec<JudgedCap> = Vec::new();
         let mut is_crack = vec![false; self.loops.len()];
@@ -153,7 +174,7 @@ impl Judge<'_> {
         }
         self.control.check()?;
         if !caps.is_empty() {
-            self.judge_caps(&mut caps, &is_crack)?;
+            self.judge_caps(&mut caps, &is_crack, seen)?;
         }
         self.leave_fragments(&is_crack, &mut caps);
         let mut outcomes =
@@ -198,17 +219,64 @@ impl Judge<'_> {
     }
 
     /// Rules 2 to 6. The checks of rule 5 are repeated until no more caps fall.
-    fn judge_caps(&self, caps: &mut [JudgedCap], is_crack: &[bool]) -> Result<(), Error> {
+    fn judge_caps(
+        &self,
+        caps: &mut [JudgedCap],
+        is_crack: &[bool],
+        seen: &mut SeenRims,
+    ) -> Result<(), Error> {
         let capped = Capped::new(self, caps)?;
         capped.judge_shapes(caps)?;
         if self.settings.openings != Openings::Auto {
             return Ok(());
         }
+        self.leave_fragments(is_crack, caps);
+        let (order, longest) = self.longest_first(caps);
+        let seen_before =
+            order.iter().copied().filter(|&index| seen.0.contains(&self.rim(&caps[index].0)));
+        let seen_before: Vec<usize> = seen_before.collect();
         let mut views = vec![View::default(); caps.len()];
-        while capped.leave_seen(caps, is_crack, &mut views)? {}
+        for some in [&seen_before, &order[..longest], &order] {
+            while capped.leave_seen(caps, some, is_crack, &mut views)? {}
+        }
         capped.mark_within(caps)?;
-        while capped.leave_emptied(caps)? || capped.leave_seen(caps, is_crack, &mut views)? {}
+        while capped.leave_emptied(caps)?
+            || capped.leave_seen(caps, &order, is_crack, &mut views)?
+        {}
+        let seen_now = caps.iter().filter(|cap| cap.1 == OpeningOutcome::SeenInto);
+        seen.0.extend(seen_now.map(|(cap, _)| self.rim(cap)));
         Ok(())
+    }
+
+    /// The source's vertices around a cap, ascending.
+    fn rim(&self, cap: &Cap) -> Vec<u32> {
+        let vertices = cap.loops.iter().flat_map(|&index| &self.loops[index].vertices);
+        let of_source = |&vertex: &u32| self.prepared.source_vertices[vertex as usize];
+        let mut rim: Vec<u32> = vertices.map(of_source).collect();
+        sort_by_key(&mut rim, |&vertex| vertex);
+        rim
+    }
+
+    /// The caps that are closed so far, those with the longest rims first, and how many of them have
+    /// [`LONGEST`] of the length.
+    fn longest_first(&self, caps: &[JudgedCap]) -> (Vec<usize>, usize) {
+        let length = |cap: &Cap| -> f64 {
+            let rims = cap.loops.iter().map(|&index| &self.loops[index]);
+            rims.flat_map(|rim| rim.sides(self.positions())).map(|side| side.1).sum()
+        };
+        let closed = caps.iter().enumerate().filter(|(_, (_, outcome))| outcome.is_closed());
+        let mut all: Vec<(f64, usize)> =
+            closed.map(|(index, (cap, _))| (length(cap), index)).collect();
+        sort_by(&mut all, |a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+        let whole: f64 = all.iter().map(|cap| cap.0).sum();
+        let mut before = 0.0;
+        let is_longest = |cap: &&(f64, usize)| {
+            let is_longest = before < LONGEST * whole;
+            before += cap.0;
+            is_longest
+        };
+        let longest = all.iter().take_while(is_longest).count();
+        (all.into_iter().map(|cap| cap.1).collect(), longest)
     }
 
     /// Rule 7: leaves the caps of components most of whose boundary, by length, stays open, and all
@@ -301,23 +369,44 @@ impl Judge<'_> {
 /// What rays from a cap inward have seen.
 #[derive(Clone, Default)]
 struct View {
-    /// Points of the cap that rays have started from.
-    points: usize,
+    /// The points of the cap that rays have started from, by [`scattered`], ascending.
+    points: Vec<PointView>,
+}
+
+/// What the rays from a point have seen.
+#[derive(Clone)]
+struct PointView {
+    point: usize,
     /// Rays that see a front, or a way out.
     seen: usize,
     /// Rays that leave the solid through another cap.
     capped: usize,
-    /// The other caps that rays have met, ascending.
+    /// The other caps that rays have met.
     met: Vec<usize>,
 }
 
 impl View {
+    /// How many rays see something, and how many only another cap.
+    fn counts(&self) -> [usize; 2] {
+        let counts = self.points.iter().map(|point| [point.seen, point.capped]);
+        counts.fold([0, 0], |a, b| [a[0] + b[0], a[1] + b[1]])
+    }
+
+    /// Whether further rays are not worth their time.
+    fn is_complete(&self) -> bool {
+        let [seen, capped] = self.counts();
+        let rays = self.points.len() * RAYS_PER_POINT;
+        let is_clear = seen == 0 && capped as f64 <= 0.5 * MOST_CAPPED * rays as f64;
+        self.points.len() >= if is_clear { POINTS_OF_CLEAR } else { POINTS }
+    }
+
     /// Whether more than `MOST_SEEN` of all rays see something, or more than `MOST_CAPPED` only
     /// another cap.
     fn is_seen_into(&self) -> bool {
         let is_more =
             |count: usize, share: f64| count as f64 > share * (POINTS * RAYS_PER_POINT) as f64;
-        is_more(self.seen, MOST_SEEN) || is_more(self.capped, MOST_CAPPED)
+        let [seen, capped] = self.counts();
+        is_more(seen, MOST_SEEN) || is_more(capped, MOST_CAPPED)
     }
 }
 
@@ -384,32 +473,32 @@ impl<'a> Capped<'a> {
         Ok(())
     }
 
-    /// Leaves caps through which something is seen with all others closed, and the fragments that
-    /// this makes of components. Whether there were any. `views` keeps what was seen from each cap
-    /// from call to call: rays that met only caps which are still closed see what they saw, and
-    /// with thousands of openings most of the time would be theirs.
+    /// Leaves those of some caps through which something is seen with all others closed, and the
+    /// fragments that this makes of components. Whether there were any. `views` keeps what was seen
+    /// from each cap from call to call: rays that met only caps which are still closed see what they
+    /// saw, and with thousands of openings most of the time would be theirs.
     fn leave_seen(
         &self,
         caps: &mut [JudgedCap],
+        some: &[usize],
         is_crack: &[bool],
         views: &mut [View],
     ) -> Result<bool, Error> {
         let is_closed: Vec<bool> = caps.iter().map(|(_, outcome)| outcome.is_closed()).collect();
         for view in &mut *views {
-            if !view.met.iter().all(|&cap| is_closed[cap]) {
-                *view = View::default();
-            }
+            view.points.retain(|point| point.met.iter().all(|&cap| is_closed[cap]));
         }
         let mut has_changed = false;
         for _ in 0..POINTS / POINTS_AT_ONCE {
-            let found = parallel::map_indices(caps.len(), |index| {
+            let found = parallel::map_indices(some.len(), |place| {
                 self.judge.control.check()?;
+                let index = some[place];
                 let (cap, outcome) = &caps[index];
-                let is_open = outcome.is_closed() && views[index].points < POINTS;
+                let is_open = outcome.is_closed() && !views[index].is_complete();
                 Ok(is_open.then(|| self.seen_further(index, cap, &is_closed, &views[index])))
             });
             let mut has_fallen = false;
-            for (index, found) in found.into_iter().enumerate() {
+            for (&index, found) in some.iter().zip(found) {
                 let Some(found) = found? else { continue };
                 if found.is_seen_into() {
                     (caps[index].1, has_fallen) = (OpeningOutcome::SeenInto, true);
@@ -430,25 +519,26 @@ impl<'a> Capped<'a> {
             |t: u32| self.cap_of(t).is_none_or(|owner| owner != index && is_closed[owner]);
         let mut view = before.clone();
         let points = points(cap, self.judge.positions());
-        view.points += POINTS_AT_ONCE;
-        for order in before.points..view.points {
-            // By their bits the other way round, the first few are spread over the cap.
-            let number = order.reverse_bits() >> (POINTS.leading_zeros() + 1);
-            let Some(&point) = points.get(number) else { continue };
+        for order in 0..POINTS {
+            let Err(place) = view.points.binary_search_by_key(&order, |own| own.point) else {
+                continue;
+            };
+            let number = scattered(order);
+            let mut own = PointView { point: order, seen: 0, capped: 0, met: Vec::new() };
             for ray in 0..RAYS_PER_POINT {
+                let Some(&point) = points.get(number) else { break };
                 let direction = direction(cap, number * RAYS_PER_POINT + ray);
-                let meets = |t: u32| view.met.extend(self.cap_of(t));
+                let meets = |t: u32| own.met.extend(self.cap_of(t));
                 match leaves_through(&self.bvh, [point, direction], is_there, meets) {
-                    None => view.seen += 1,
-                    Some(triangle) => view.capped += usize::from(self.cap_of(triangle).is_some()),
+                    None => own.seen += 1,
+                    Some(triangle) => own.capped += usize::from(self.cap_of(triangle).is_some()),
                 }
             }
-            if view.is_seen_into() {
+            view.points.insert(place, own);
+            if view.points.len() >= before.points.len() + POINTS_AT_ONCE || view.is_seen_into() {
                 break;
             }
         }
-        view.met.sort_unstable();
-        view.met.dedup();
         view
     }
 
@@ -495,7 +585,7 @@ fn is_solid_beyond(
     flatness: f64,
 ) -> bool {
     let points = points(cap, positions);
-    let is_inside = |point: Vector| {
+    let is_inside = |&point: &Vector| {
         let outward = |distance: f64| point + cap.plane.normal * distance;
         // Near the backs of several parts the winding number is ambiguous.
         let middle = || open.first_hit(point, cap.plane.normal, flatness, |_, _| true);
@@ -503,9 +593,10 @@ fn is_solid_beyond(
             || middle().is_some_and(|hit| solid.is_inside(outward(0.5 * hit.distance)))
     };
     let (mut inside, mut outside) = (0, 0);
-    for &point in &points {
+    for point in (0..POINTS).filter_map(|order| points.get(scattered(order))) {
         *(if is_inside(point) { &mut inside } else { &mut outside }) += 1;
-        if 2 * inside.max(outside) > points.len() {
+        let enough = if inside.min(outside) == 0 { POINTS_THAT_AGREE } else { POINTS / 2 };
+        if inside.max(outside) > enough {
             break;
         }
     }
@@ -546,6 +637,11 @@ fn leaves_through(
     // Of faces at the same distance, as those on both sides of an edge, one counts.
     others.dedup_by_key(|hit| hit.distance);
     others.into_iter().take(MOST_HITS - 1).find_map(leaves)
+}
+
+/// By its bits the other way round: the first few of all points are spread over the cap.
+fn scattered(order: usize) -> usize {
+    order.reverse_bits() >> (POINTS.leading_zeros() + 1)
 }
 
 /// An element of an additive recurrence.

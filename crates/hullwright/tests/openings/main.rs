@@ -112,6 +112,19 @@ fn what_is_hollow_or_a_sheet_is_left_and_stays_empty() {
     }
 }
 
+/// The tile is closed in a pass of its own; then the room is looked at once more.
+#[test]
+fn what_is_seen_into_stays_so_where_another_opening_is_closed() {
+    let far = |[x, y, z]: [f64; 3]| [x + 10.0, y, z];
+    let mut tile = floor_tile();
+    tile.positions = tile.positions.into_iter().map(far).collect();
+    let found = run(&joined(&[room(), tile]), &Parameters::default());
+    let [left, closed] = [OpeningOutcome::SeenInto, CLOSED]
+        .map(|outcome| outcomes(&found).into_iter().filter(|&o| o == outcome).count());
+    assert_eq!([left, closed, outcomes(&found).len()], [1, 1, 2]);
+    assert!(is_filled(&found, [11.0, 0.1, 1.0]) && !is_filled(&found, [1.5, 1.0, 1.5]));
+}
+
 #[test]
 fn what_is_drawn_from_both_sides_is_closed_at_the_bottom_alone() {
     let tile = both_sided(floor_tile());
