@@ -144,14 +144,14 @@ impl Bvh {
         origin: Vector,
         direction: Vector,
         start: f64,
-        mut counts: impl FnMut(u32, bool) -> bool,
+        counts: &dyn Fn(u32) -> bool,
     ) -> Option<Hit> {
         let mut best: Option<Hit> = None;
         let mut end = f64::INFINITY;
-        self.visit_hits([origin, direction], start, |hit| {
+        self.visit_hits([origin, direction], start, &mut |hit| {
             let is_nearer = best
                 .is_none_or(|best| (hit.distance, hit.triangle) < (best.distance, best.triangle));
-            if is_nearer && counts(hit.triangle, hit.is_back) {
+            if is_nearer && counts(hit.triangle) {
                 (best, end) = (Some(hit), hit.distance);
             }
             end
@@ -165,7 +165,7 @@ impl Bvh {
         &self,
         [origin, direction]: [Vector; 2],
         start: f64,
-        mut visit: impl FnMut(Hit) -> f64,
+        visit: &mut dyn FnMut(Hit) -> f64,
     ) {
         let tree = &self.tree;
         let ray = Ray::new(tree, origin, direction, start);
@@ -265,9 +265,9 @@ impl Ray {
         (near.to_array(), far.to_array())
     }
 
-    /// Which triangles of a leaf the ray may meet: those not behind its origin, around which it does
-    /// not pass on different sides of two sides (Woop, Benthin and Wald, "Watertight Ray/Triangle
-    /// Intersection", 2013). Of long thin triangles the ray meets the boxes of hundreds.
+    /// Which triangles of a leaf the ray may meet: those that are not behind its origin, and whose
+    /// sides it passes all on the same side (Woop, Benthin and Wald, "Watertight Ray/Triangle
+    /// Intersection", 2013). A ray meets the boxes of hundreds of long thin triangles.
     #[inline(always)]
     fn may_meet(&self, leaf: &Leaf) -> [bool; WIDTH] {
         let origin = self.origin.map(Vec4::splat);
@@ -370,7 +370,7 @@ mod tests {
             let corners = |t: &[u32; 3]| t.map(|v| mesh.points()[v as usize]);
             let all = mesh.triangles.iter().filter_map(|t| intersect(origin, along, corners(t)));
             let nearest = all.map(|(distance, _)| distance).fold(f64::INFINITY, f64::min);
-            let found = bvh.first_hit(origin, along, 0.0, |_, _| true);
+            let found = bvh.first_hit(origin, along, 0.0, &|_| true);
             assert_eq!(found.map_or(f64::INFINITY, |hit| hit.distance), nearest);
             hits += usize::from(found.is_some());
         }
@@ -401,7 +401,7 @@ mod tests {
             let corners = |t: &[u32; 3]| t.map(|v| points[v as usize]);
             let all = triangles.iter().filter_map(|t| intersect(origin, along, corners(t)));
             let nearest = all.map(|(distance, _)| distance).fold(f64::INFINITY, f64::min);
-            let found = bvh.first_hit(origin, along, 0.0, |_, _| true);
+            let found = bvh.first_hit(origin, along, 0.0, &|_| true);
             assert_eq!(found.map_or(f64::INFINITY, |hit| hit.distance), nearest);
             hits += usize::from(found.is_some());
         }
@@ -413,11 +413,11 @@ mod tests {
         let mesh = uv_sphere(16, [0.0; 3], 1.0);
         let bvh = Bvh::new(mesh.points(), &mesh.triangles);
         let along = direction(3);
-        let within = bvh.first_hit(Vector::ZERO, along, 0.0, |_, _| true).unwrap();
+        let within = bvh.first_hit(Vector::ZERO, along, 0.0, &|_| true).unwrap();
         assert!(within.is_back && (within.distance - 1.0).abs() < 0.05);
-        let outside = bvh.first_hit(along.map(|x| -3.0 * x), along, 0.0, |_, _| true).unwrap();
+        let outside = bvh.first_hit(along.map(|x| -3.0 * x), along, 0.0, &|_| true).unwrap();
         assert!(!outside.is_back && (outside.distance - 2.0).abs() < 0.05);
-        let second = bvh.first_hit(along.map(|x| -3.0 * x), along, 3.0, |_, _| true).unwrap();
+        let second = bvh.first_hit(along.map(|x| -3.0 * x), along, 3.0, &|_| true).unwrap();
         assert!(second.is_back);
     }
 }

@@ -7,8 +7,6 @@
 //! fronts of other solids that are stuck into this one, which the ray leaves again through their
 //! backs.
 
-use std::collections::BTreeSet;
-
 use super::cap::{Cap, LoopFill, fill_loops, is_cut};
 use super::opening::{Loop, Opening, OpeningOutcome, boundary_loops};
 use crate::bvh::{Bvh, Hit};
@@ -19,7 +17,7 @@ use crate::geometry::{MeshView, Sidedness};
 use crate::mesh::PreparedMesh;
 use crate::parallel;
 use crate::parameters::{Length, Openings, Parameters, UpAxis};
-use crate::sorting::{sort_by, sort_by_key};
+use crate::sorting::{sort_by, sort_by_number};
 
 /// A cap that meets the surface around it at less than this, in radians (30°), closes a sheet onto
 /// itself.
@@ -118,14 +116,28 @@ pub(super) struct Closing {
 /// A cap, and whether it is closed or why not.
 type JudgedCap = (Cap, OpeningOutcome);
 
-/// The rims of caps through which something is seen, each by its vertices in the source, ascending.
+/// The vertices of the source on rims of caps through which something is seen.
 #[derive(Default)]
-pub(super) struct SeenRims(BTreeSet<Vec<u32>>);
+pub(super) struct SeenRims {
+    is_on_rim: Vec<bool>,
+}
+
+impl SeenRims {
+    fn add(&mut self, vertex: u32) {
+        let vertex = vertex as usize;
+        self.is_on_rim.resize(self.is_on_rim.len().max(vertex + 1), false);
+        self.is_on_rim[vertex] = true;
+    }
+
+    fn contains(&self, vertex: u32) -> bool {
+        self.is_on_rim.get(vertex as usize) == Some(&true)
+    }
+}
 
 /// Judges each opening of a repaired mesh. The materials of `source` say which sides of faces are
-/// drawn. `seen` are the rims of those that a pass before this one has left since something is seen
-/// through them, and then those of this pass too: they are looked through first, and nearly all fall
-/// again.
+/// drawn. `seen` has the rims of those that a pass before this one has left since something is seen
+/// through them, and then those of this pass too: what is there is looked through first, since
+/// nearly all of it falls again.
 pub(super) fn judge(
     prepared: &PreparedMesh,
     source: MeshView<'_>,
@@ -232,9 +244,8 @@ impl Judge<'_> {
         }
         self.leave_fragments(is_crack, caps);
         let (order, longest) = self.longest_first(caps);
-        let seen_before =
-            order.iter().copied().filter(|&index| seen.0.contains(&self.rim(&caps[index].0)));
-        let seen_before: Vec<usize> = seen_before.collect();
+        let is_seen = |&index: &usize| self.rim(&caps[index].0).any(|vertex| seen.contains(vertex));
+        let seen_before: Vec<usize> = order.iter().copied().filter(is_seen).collect();
         let mut views = vec![View::default(); caps.len()];
         for some in [&seen_before, &order[..longest], &order] {
             while capped.leave_seen(caps, some, is_crack, &mut views)? {}
@@ -243,22 +254,20 @@ impl Judge<'_> {
         while capped.leave_emptied(caps)?
             || capped.leave_seen(caps, &order, is_crack, &mut views)?
         {}
-        let seen_now = caps.iter().filter(|cap| cap.1 == OpeningOutcome::SeenInto);
-        seen.0.extend(seen_now.map(|(cap, _)| self.rim(cap)));
+        for (cap, _) in caps.iter().filter(|cap| cap.1 == OpeningOutcome::SeenInto) {
+            self.rim(cap).for_each(|vertex| seen.add(vertex));
+        }
         Ok(())
     }
 
-    /// The source's vertices around a cap, ascending.
-    fn rim(&self, cap: &Cap) -> Vec<u32> {
+    /// The vertices of the source around a cap.
+    fn rim(&self, cap: &Cap) -> impl Iterator<Item = u32> {
         let vertices = cap.loops.iter().flat_map(|&index| &self.loops[index].vertices);
-        let of_source = |&vertex: &u32| self.prepared.source_vertices[vertex as usize];
-        let mut rim: Vec<u32> = vertices.map(of_source).collect();
-        sort_by_key(&mut rim, |&vertex| vertex);
-        rim
+        vertices.map(|&vertex| self.prepared.source_vertices[vertex as usize])
     }
 
-    /// The caps that are closed so far, those with the longest rims first, and how many of them have
-    /// [`LONGEST`] of the length.
+    /// The caps that are closed so far, those with the longest rims first, and how many of them
+    /// have [`LONGEST`] of the length.
     fn longest_first(&self, caps: &[JudgedCap]) -> (Vec<usize>, usize) {
         let length = |cap: &Cap| -> f64 {
             let rims = cap.loops.iter().map(|&index| &self.loops[index]);
@@ -266,13 +275,12 @@ impl Judge<'_> {
         };
         let closed = caps.iter().enumerate().filter(|(_, (_, outcome))| outcome.is_closed());
         let mut all: Vec<(f64, usize)> =
-            closed.map(|(index, (cap, _))| (length(cap), index)).collect();
-        sort_by(&mut all, |a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
-        let whole: f64 = all.iter().map(|cap| cap.0).sum();
-        let mut before = 0.0;
+            closed.map(|(index, (cap, _))| (-length(cap), index)).collect();
+        sort_by_number(&mut all);
+        let mut left = LONGEST * all.iter().map(|cap| cap.0).sum::<f64>();
         let is_longest = |cap: &&(f64, usize)| {
-            let is_longest = before < LONGEST * whole;
-            before += cap.0;
+            let is_longest = left < 0.0;
+            left -= cap.0;
             is_longest
         };
         let longest = all.iter().take_while(is_longest).count();
@@ -369,23 +377,28 @@ impl Judge<'_> {
 /// What rays from a cap inward have seen.
 #[derive(Clone, Default)]
 struct View {
-    /// The points of the cap that rays have started from, by [`scattered`], ascending.
+    /// The points of the cap that rays have started from.
     points: Vec<PointView>,
+    /// Each of these points with another cap that a ray from there has met.
+    met: Vec<[usize; 2]>,
 }
 
 /// What the rays from a point have seen.
-#[derive(Clone)]
+#[derive(Clone, Copy)]
 struct PointView {
+    /// By [`scattered`].
     point: usize,
     /// Rays that see a front, or a way out.
     seen: usize,
     /// Rays that leave the solid through another cap.
     capped: usize,
-    /// The other caps that rays have met.
-    met: Vec<usize>,
 }
 
 impl View {
+    fn has(&self, point: usize) -> bool {
+        self.points.iter().any(|own| own.point == point)
+    }
+
     /// How many rays see something, and how many only another cap.
     fn counts(&self) -> [usize; 2] {
         let counts = self.points.iter().map(|point| [point.seen, point.capped]);
@@ -486,7 +499,11 @@ impl<'a> Capped<'a> {
     ) -> Result<bool, Error> {
         let is_closed: Vec<bool> = caps.iter().map(|(_, outcome)| outcome.is_closed()).collect();
         for view in &mut *views {
-            view.points.retain(|point| point.met.iter().all(|&cap| is_closed[cap]));
+            let View { points, met } = view;
+            let has_met =
+                |point: usize, &[from, cap]: &[usize; 2]| from == point && !is_closed[cap];
+            points.retain(|own| !met.iter().any(|met| has_met(own.point, met)));
+            met.retain(|met| points.iter().any(|own| own.point == met[0]));
         }
         let mut has_changed = false;
         for _ in 0..POINTS / POINTS_AT_ONCE {
@@ -520,21 +537,21 @@ impl<'a> Capped<'a> {
         let mut view = before.clone();
         let points = points(cap, self.judge.positions());
         for order in 0..POINTS {
-            let Err(place) = view.points.binary_search_by_key(&order, |own| own.point) else {
+            if view.has(order) {
                 continue;
-            };
+            }
             let number = scattered(order);
-            let mut own = PointView { point: order, seen: 0, capped: 0, met: Vec::new() };
+            let mut own = PointView { point: order, seen: 0, capped: 0 };
             for ray in 0..RAYS_PER_POINT {
                 let Some(&point) = points.get(number) else { break };
                 let direction = direction(cap, number * RAYS_PER_POINT + ray);
-                let meets = |t: u32| own.met.extend(self.cap_of(t));
+                let meets = |t: u32| view.met.extend(self.cap_of(t).map(|cap| [order, cap]));
                 match leaves_through(&self.bvh, [point, direction], is_there, meets) {
                     None => own.seen += 1,
                     Some(triangle) => own.capped += usize::from(self.cap_of(triangle).is_some()),
                 }
             }
-            view.points.insert(place, own);
+            view.points.push(own);
             if view.points.len() >= before.points.len() + POINTS_AT_ONCE || view.is_seen_into() {
                 break;
             }
@@ -588,7 +605,7 @@ fn is_solid_beyond(
     let is_inside = |&point: &Vector| {
         let outward = |distance: f64| point + cap.plane.normal * distance;
         // Near the backs of several parts the winding number is ambiguous.
-        let middle = || open.first_hit(point, cap.plane.normal, flatness, |_, _| true);
+        let middle = || open.first_hit(point, cap.plane.normal, flatness, &|_| true);
         solid.is_inside(outward(flatness))
             || middle().is_some_and(|hit| solid.is_inside(outward(0.5 * hit.distance)))
     };
@@ -619,13 +636,13 @@ fn leaves_through(
         solids += if hit.is_back { -1 } else { 1 };
         (solids == 0).then_some(hit.triangle)
     };
-    let first = bvh.first_hit(origin, direction, START, |triangle, _| counts(triangle))?;
+    let first = bvh.first_hit(origin, direction, START, &counts)?;
     if let Some(triangle) = leaves(first) {
         return Some(triangle);
     }
     // Most rays end there. One that does not goes through many faces.
     let mut others = Vec::new();
-    bvh.visit_hits([origin, direction], first.distance, |hit| {
+    bvh.visit_hits([origin, direction], first.distance, &mut |hit| {
         if counts(hit.triangle) {
             others.push(hit);
         }
@@ -634,9 +651,21 @@ fn leaves_through(
     sort_by(&mut others, |a, b| {
         a.distance.total_cmp(&b.distance).then(a.triangle.cmp(&b.triangle))
     });
-    // Of faces at the same distance, as those on both sides of an edge, one counts.
-    others.dedup_by_key(|hit| hit.distance);
-    others.into_iter().take(MOST_HITS - 1).find_map(leaves)
+    let (mut distance, mut count) = (first.distance, 1);
+    for hit in others {
+        // Of faces at the same distance, as those on both sides of an edge, one counts.
+        if hit.distance == distance {
+            continue;
+        }
+        if count == MOST_HITS {
+            break;
+        }
+        (distance, count) = (hit.distance, count + 1);
+        if let Some(triangle) = leaves(hit) {
+            return Some(triangle);
+        }
+    }
+    None
 }
 
 /// By its bits the other way round: the first few of all points are spread over the cap.

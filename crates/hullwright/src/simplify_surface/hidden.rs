@@ -140,7 +140,7 @@ impl Solids<'_> {
     fn around(&self, point: Vector, own: usize) -> Vec<(usize, i32)> {
         let by_ray = |direction: Vector| {
             let mut turns: Vec<(usize, i32)> = Vec::new();
-            self.tree.visit_hits([point, direction], 0.0, |hit| {
+            self.tree.visit_hits([point, direction], 0.0, &mut |hit| {
                 let triangle = self.closed[hit.triangle as usize];
                 let component = component(self.prepared, triangle);
                 let is_back = hit.is_back != self.is_turned[triangle as usize];

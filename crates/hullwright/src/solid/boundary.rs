@@ -19,6 +19,7 @@ use std::f64::consts::TAU;
 use crate::bvh::SLOPES;
 use crate::geometry::Turns;
 use crate::geometry::vector::{Vector, distance_to_segment, larger, smaller};
+use crate::mesh::adjacency::{SortedHalfEdges, ascends};
 
 /// A group whose radius is below this share of the distance to its ball counts as a whole: that is
 /// too much by less than a factor of 4, of edges that are far away.
@@ -79,26 +80,23 @@ pub(crate) struct Boundary {
 }
 
 impl Boundary {
-    /// O(n log n).
+    /// Indices must be those of positions. O(n log n).
     pub(crate) fn new(positions: &[Vector], triangles: &[[u32; 3]]) -> Self {
-        let mut directed: Vec<(u32, u32, i64)> = triangles
-            .iter()
-            .flat_map(|&[a, b, c]| [(a, b), (b, c), (c, a)])
-            .map(|(a, b)| (a.min(b), a.max(b), if a < b { 1 } else { -1 }))
-            .collect();
-        directed.sort_unstable();
-        let same = directed.chunk_by(|first, second| (first.0, first.1) == (second.0, second.1));
-        let mut edges: Vec<Edge> = same
-            .filter_map(|edge| {
-                let excess: i64 = edge.iter().map(|half| half.2).sum();
-                let &(start, end, _) = edge.first()?;
-                let (start, end) = if excess > 0 { (start, end) } else { (end, start) };
-                let (&start, &end) = (positions.get(start as usize)?, positions.get(end as usize)?);
-                let count = u32::try_from(excess.unsigned_abs()).unwrap_or(u32::MAX);
-                let (weight, length) = (f64::from(count) / FULL, start.distance(end));
-                (length > 0.0 && count > 0).then_some(Edge { start, end, count, weight, length })
-            })
-            .collect();
+        let mut edges = Vec::new();
+        SortedHalfEdges::new(triangles, positions.len()).for_each_edge(|edge| {
+            let ascending = |half_edge: &u32| ascends(triangles, *half_edge);
+            let up = edge.half_edges().filter(ascending).count();
+            let down = edge.len() - up;
+            let most = edge.half_edges().find(|half_edge| ascending(half_edge) == (up > down));
+            let Some(half_edge) = most.filter(|_| up != down) else { return };
+            let (corners, k) = (triangles[half_edge as usize / 3], half_edge as usize % 3);
+            let [start, end] = [k, (k + 1) % 3].map(|k| positions[corners[k] as usize]);
+            let count = u32::try_from(up.abs_diff(down)).unwrap_or(u32::MAX);
+            let (weight, length) = (f64::from(count) / FULL, start.distance(end));
+            if length > 0.0 {
+                edges.push(Edge { start, end, count, weight, length });
+            }
+        });
         let mut groups = Vec::new();
         let count = edges.len();
         if count > 0 {
