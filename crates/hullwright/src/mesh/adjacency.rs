@@ -94,6 +94,15 @@ impl Edge<'_> {
     pub(crate) fn half_edges(&self) -> impl Iterator<Item = u32> {
         self.entries.iter().map(|&entry| entry as u32)
     }
+
+    /// The half-edges that run one way more often than the other, as many as there are more.
+    pub(crate) fn unpaired(&self, triangles: &[[u32; 3]]) -> impl Iterator<Item = u32> {
+        let ascending = self.half_edges().filter(|&half_edge| ascends(triangles, half_edge));
+        let up = ascending.count();
+        let down = self.len() - up;
+        let runs_as_most = move |&half_edge: &u32| ascends(triangles, half_edge) == (up > down);
+        self.half_edges().filter(runs_as_most).take(up.abs_diff(down))
+    }
 }
 
 /// Whether a half-edge runs from the smaller to the larger of its vertices.

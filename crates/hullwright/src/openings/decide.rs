@@ -116,39 +116,21 @@ pub(super) struct Closing {
 /// A cap, and whether it is closed or why not.
 type JudgedCap = (Cap, OpeningOutcome);
 
-/// The vertices of the source on rims of caps through which something is seen.
-#[derive(Default)]
-pub(super) struct SeenRims {
-    is_on_rim: Vec<bool>,
-}
-
-impl SeenRims {
-    fn add(&mut self, vertex: u32) {
-        let vertex = vertex as usize;
-        self.is_on_rim.resize(self.is_on_rim.len().max(vertex + 1), false);
-        self.is_on_rim[vertex] = true;
-    }
-
-    fn contains(&self, vertex: u32) -> bool {
-        self.is_on_rim.get(vertex as usize) == Some(&true)
-    }
-}
-
 /// Judges each opening of a repaired mesh. The materials of `source` say which sides of faces are
-/// drawn. `seen` has the rims of those that a pass before this one has left since something is seen
-/// through them, and then those of this pass too: what is there is looked through first, since
-/// nearly all of it falls again.
+/// drawn. `is_on_seen_rim` says of each vertex of the source whether a cap around it was left by a
+/// pass before this one since something is seen through it, and then of this pass too: what is there
+/// is looked through first, since nearly all of it falls again.
 pub(super) fn judge(
     prepared: &PreparedMesh,
     source: MeshView<'_>,
     settings: &OpeningSettings,
-    seen: &mut SeenRims,
+    is_on_seen_rim: &mut [bool],
     control: &Control,
 ) -> Result<Closing, Error> {
     let loops = boundary_loops(prepared.mesh.points(), &prepared.mesh.triangles);
     control.check()?;
     let flatness = settings.flatness_in(prepared);
-    Judge { prepared, source, settings, control, loops, flatness }.closing(seen)
+    Judge { prepared, source, settings, control, loops, flatness }.closing(is_on_seen_rim)
 }
 
 /// A repaired mesh and the loops of its boundary.
@@ -167,7 +149,7 @@ impl Judge<'_> {
         self.prepared.mesh.points()
     }
 
-    fn closing(&self, seen: &mut SeenRims) -> Result<Closing, Error> {
+    fn closing(&self, is_on_seen_rim: &mut [bool]) -> Result<Closing, Error> {
         let mut closing = Closing::default();
         let mut caps: Vec<JudgedCap> = Vec::new();
         let mut is_crack = vec![false; self.loops.len()];
@@ -186,7 +168,7 @@ impl Judge<'_> {
         }
         self.control.check()?;
         if !caps.is_empty() {
-            self.judge_caps(&mut caps, &is_crack, seen)?;
+            self.judge_caps(&mut caps, &is_crack, is_on_seen_rim)?;
         }
         self.leave_fragments(&is_crack, &mut caps);
         let mut outcomes =
@@ -235,7 +217,7 @@ impl Judge<'_> {
         &self,
         caps: &mut [JudgedCap],
         is_crack: &[bool],
-        seen: &mut SeenRims,
+        is_on_seen_rim: &mut [bool],
     ) -> Result<(), Error> {
         let capped = Capped::new(self, caps)?;
         capped.judge_shapes(caps)?;
@@ -244,7 +226,8 @@ impl Judge<'_> {
         }
         self.leave_fragments(is_crack, caps);
         let (order, longest) = self.longest_first(caps);
-        let is_seen = |&index: &usize| self.rim(&caps[index].0).any(|vertex| seen.contains(vertex));
+        let is_seen =
+            |&index: &usize| self.rim(&caps[index].0).any(|vertex| is_on_seen_rim[vertex]);
         let seen_before: Vec<usize> = order.iter().copied().filter(is_seen).collect();
         let mut views = vec![View::default(); caps.len()];
         for some in [&seen_before, &order[..longest], &order] {
@@ -255,15 +238,15 @@ impl Judge<'_> {
             || capped.leave_seen(caps, &order, is_crack, &mut views)?
         {}
         for (cap, _) in caps.iter().filter(|cap| cap.1 == OpeningOutcome::SeenInto) {
-            self.rim(cap).for_each(|vertex| seen.add(vertex));
+            self.rim(cap).for_each(|vertex| is_on_seen_rim[vertex] = true);
         }
         Ok(())
     }
 
     /// The vertices of the source around a cap.
-    fn rim(&self, cap: &Cap) -> impl Iterator<Item = u32> {
+    fn rim(&self, cap: &Cap) -> impl Iterator<Item = usize> {
         let vertices = cap.loops.iter().flat_map(|&index| &self.loops[index].vertices);
-        vertices.map(|&vertex| self.prepared.source_vertices[vertex as usize])
+        vertices.map(|&vertex| self.prepared.source_vertices[vertex as usize] as usize)
     }
 
     /// The caps that are closed so far, those with the longest rims first, and how many of them
@@ -488,8 +471,8 @@ impl<'a> Capped<'a> {
 
     /// Leaves those of some caps through which something is seen with all others closed, and the
     /// fragments that this makes of components. Whether there were any. `views` keeps what was seen
-    /// from each cap from call to call: rays that met only caps which are still closed see what they
-    /// saw, and with thousands of openings most of the time would be theirs.
+    /// from each cap from call to call: rays that met only caps which are still closed see what
+    /// they saw, and with thousands of openings most of the time would be theirs.
     fn leave_seen(
         &self,
         caps: &mut [JudgedCap],
@@ -498,12 +481,11 @@ impl<'a> Capped<'a> {
         views: &mut [View],
     ) -> Result<bool, Error> {
         let is_closed: Vec<bool> = caps.iter().map(|(_, outcome)| outcome.is_closed()).collect();
-        for view in &mut *views {
-            let View { points, met } = view;
-            let has_met =
-                |point: usize, &[from, cap]: &[usize; 2]| from == point && !is_closed[cap];
-            points.retain(|own| !met.iter().any(|met| has_met(own.point, met)));
-            met.retain(|met| points.iter().any(|own| own.point == met[0]));
+        for View { points, met } in &mut *views {
+            let fallen = met.iter().filter(|&&[_, cap]| !is_closed[cap]);
+            let fallen: Vec<usize> = fallen.map(|&[point, _]| point).collect();
+            points.retain(|own| !fallen.contains(&own.point));
+            met.retain(|[point, _]| !fallen.contains(point));
         }
         let mut has_changed = false;
         for _ in 0..POINTS / POINTS_AT_ONCE {
@@ -541,9 +523,9 @@ impl<'a> Capped<'a> {
                 continue;
             }
             let number = scattered(order);
+            let Some(&point) = points.get(number) else { continue };
             let mut own = PointView { point: order, seen: 0, capped: 0 };
             for ray in 0..RAYS_PER_POINT {
-                let Some(&point) = points.get(number) else { break };
                 let direction = direction(cap, number * RAYS_PER_POINT + ray);
                 let meets = |t: u32| view.met.extend(self.cap_of(t).map(|cap| [order, cap]));
                 match leaves_through(&self.bvh, [point, direction], is_there, meets) {

@@ -6,7 +6,7 @@
 
 use crate::geometry::vector::{Vector, mean};
 use crate::mesh::PreparedMesh;
-use crate::mesh::adjacency::{SortedHalfEdges, ascends};
+use crate::mesh::adjacency::SortedHalfEdges;
 use crate::sorting::sort_by_key;
 
 /// A simple closed polygon along the boundary.
@@ -95,13 +95,7 @@ fn sharpness(positions: &[Vector], last: CapEdge, next: CapEdge) -> f64 {
 fn cap_edges(positions: &[Vector], triangles: &[[u32; 3]]) -> Vec<CapEdge> {
     let mut edges = Vec::new();
     SortedHalfEdges::new(triangles, positions.len()).for_each_edge(|edge| {
-        let ways = |up: bool| edge.half_edges().filter(move |&h| ascends(triangles, h) == up);
-        let (up, down) = (ways(true).count(), ways(false).count());
-        if up == down {
-            return;
-        }
-        let excess = up.abs_diff(down);
-        for half_edge in ways(up > down).take(excess) {
+        for half_edge in edge.unpaired(triangles) {
             let (triangle, k) = (half_edge / 3, half_edge as usize % 3);
             let corners = triangles[triangle as usize];
             edges.push(CapEdge { from: corners[(k + 1) % 3], to: corners[k], neighbour: triangle });

@@ -9,7 +9,7 @@
 //! it and nothing within is a cavity, as the inner faces of a crate are: no body gets there, so it
 //! is filled. Components that overlap others in part stay as they are.
 
-use super::decide::{Closing, OpeningSettings, SeenRims, judge};
+use super::decide::{Closing, OpeningSettings, judge};
 use super::narrow::close_narrow;
 use super::opening::Opening;
 use crate::bvh::Bvh;
@@ -83,7 +83,7 @@ pub(crate) fn close_prepared(
 ) -> Result<Closed, Error> {
     let is_closed = |prepared: &PreparedMesh| prepared.closed.iter().all(|&closed| closed);
     let mut openings: Vec<Opening> = Vec::new();
-    let mut seen = SeenRims::default();
+    let mut is_on_seen_rim = vec![false; source.vertex_count()];
     let mut has_caps = false;
     for _ in 0..PASSES {
         if settings.openings == Openings::Keep || is_closed(&prepared) {
@@ -91,7 +91,7 @@ pub(crate) fn close_prepared(
         }
         let mut closing = match close_narrow(&prepared, settings, control)? {
             Some(closing) => closing,
-            None => judge(&prepared, source, settings, &mut seen, control)?,
+            None => judge(&prepared, source, settings, &mut is_on_seen_rim, control)?,
         };
         // The next pass judges again what this one leaves.
         openings.retain(|opening| opening.outcome.is_closed());

@@ -19,7 +19,7 @@ use std::f64::consts::TAU;
 use crate::bvh::SLOPES;
 use crate::geometry::Turns;
 use crate::geometry::vector::{Vector, distance_to_segment, larger, smaller};
-use crate::mesh::adjacency::{SortedHalfEdges, ascends};
+use crate::mesh::adjacency::SortedHalfEdges;
 
 /// A group whose radius is below this share of the distance to its ball counts as a whole: that is
 /// too much by less than a factor of 4, of edges that are far away.
@@ -84,14 +84,11 @@ impl Boundary {
     pub(crate) fn new(positions: &[Vector], triangles: &[[u32; 3]]) -> Self {
         let mut edges = Vec::new();
         SortedHalfEdges::new(triangles, positions.len()).for_each_edge(|edge| {
-            let ascending = |half_edge: &u32| ascends(triangles, *half_edge);
-            let up = edge.half_edges().filter(ascending).count();
-            let down = edge.len() - up;
-            let most = edge.half_edges().find(|half_edge| ascending(half_edge) == (up > down));
-            let Some(half_edge) = most.filter(|_| up != down) else { return };
+            let mut unpaired = edge.unpaired(triangles);
+            let Some(half_edge) = unpaired.next() else { return };
+            let count = u32::try_from(1 + unpaired.count()).unwrap_or(u32::MAX);
             let (corners, k) = (triangles[half_edge as usize / 3], half_edge as usize % 3);
             let [start, end] = [k, (k + 1) % 3].map(|k| positions[corners[k] as usize]);
-            let count = u32::try_from(up.abs_diff(down)).unwrap_or(u32::MAX);
             let (weight, length) = (f64::from(count) / FULL, start.distance(end));
             if length > 0.0 {
                 edges.push(Edge { start, end, count, weight, length });
