@@ -6,7 +6,7 @@ use crate::mesh::Repairs;
 use crate::openings::Opening;
 
 /// Changes whenever the same input and parameters may give another result.
-pub const ALGORITHM_VERSION: u32 = 33;
+pub const ALGORITHM_VERSION: u32 = 34;
 
 /// One convex piece: its shape, where it comes from, and how far it is from the mesh.
 ///

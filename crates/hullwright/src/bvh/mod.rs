@@ -9,6 +9,7 @@
 //! | `closest_point` | distances by branch and bound |
 //! | `winding_number` | winding numbers by multipole expansion |
 //! | `hierarchy` | [`Bvh`]: the tree; winding numbers; triangles near a box or a face, or closest to those of another mesh |
+//! | `edges` | a tree over edges, and how fast a winding number may change beside them |
 //! | `rays` | the winding number of a closed mesh by a ray; the first hit of a ray |
 //!
 //! Queries are thread-safe. They neither allocate nor lock, except the first winding number, which
@@ -22,10 +23,12 @@
 #![expect(clippy::needless_range_loop, reason = "an index is a lane or an axis of several arrays")]
 
 pub(crate) mod closest_point;
+mod edges;
 mod hierarchy;
 mod rays;
 mod tree;
 mod winding_number;
 
+pub(crate) use edges::{Edge, EdgeTree};
 pub(crate) use hierarchy::{Bvh, INSIDE, Slab, closest_labels, closest_triangles};
 pub(crate) use rays::{Hit, SLOPES};

@@ -165,6 +165,11 @@ pub(crate) struct Turns {
 impl Turns {
     pub const NONE: Self = Self { real: 1.0, imaginary: 0.0, whole: 0 };
 
+    /// The argument of a complex number, and whole turns.
+    pub fn new(real: f64, imaginary: f64, whole: i32) -> Self {
+        Self { real, imaginary, whole }
+    }
+
     /// Adds the argument of a complex number, between -π and π. After a few,
     /// [`rescale`](Self::rescale).
     #[inline(always)]

@@ -16,65 +16,24 @@
 
 use std::f64::consts::TAU;
 
-use crate::bvh::SLOPES;
+use crate::bvh::{Edge, EdgeTree, SLOPES};
 use crate::geometry::Turns;
-use crate::geometry::vector::{Vector, distance_to_segment, larger, smaller};
+use crate::geometry::vector::Vector;
 use crate::mesh::adjacency::SortedHalfEdges;
-
-/// A group whose radius is below this share of the distance to its ball counts as a whole: that is
-/// too much by less than a factor of 4, of edges that are far away.
-const FAR: f64 = 0.5;
-
-/// Edges in a group that are summed one by one.
-const LEAF: usize = 4;
 
 /// Edges at most, each as often as it counts, whose shares of the winding number are summed up, one
 /// by one. The expansion takes as long as a hundred.
-const FEW_EDGES: u64 = 72;
+const FEW_EDGES: usize = 72;
 
 /// A full solid angle.
 const FULL: f64 = 2.0 * TAU;
 
-/// An edge that more triangles run along one way than the other.
-struct Edge {
-    /// In the direction of those triangles.
-    start: Vector,
-    end: Vector,
-    /// How many more, and that over a full solid angle.
-    count: u32,
-    weight: f64,
-    length: f64,
-}
-
-impl Edge {
-    fn middle(&self) -> Vector {
-        (self.start + self.end) * 0.5
-    }
-
-    fn distance(&self, point: Vector) -> f64 {
-        distance_to_segment(point, [self.start, self.end])
-    }
-}
-
-/// A ball around some edges.
-struct Group {
-    centre: Vector,
-    radius: f64,
-    /// Sums over the edges: of lengths times weights, and of weights.
-    length: f64,
-    weight: f64,
-    /// Edges, in their order.
-    edges: std::ops::Range<usize>,
-    /// The first of the groups after those within this one; the next one is the first within it.
-    after: usize,
-}
-
 /// The boundary of a surface. See the module.
 #[derive(Default)]
 pub(crate) struct Boundary {
-    edges: Vec<Edge>,
-    /// A tree: each group is followed by those within it.
-    groups: Vec<Group>,
+    /// Edges that more triangles run along one way than the other, by how many more, over a full
+    /// solid angle. `None` if there are none.
+    edges: Option<EdgeTree>,
     /// The edges, each as often as it counts, if they are few.
     swept: Option<Vec<SweptEdges>>,
 }
@@ -83,33 +42,27 @@ impl Boundary {
     /// Indices must be those of positions. O(n log n).
     pub(crate) fn new(positions: &[Vector], triangles: &[[u32; 3]]) -> Self {
         let mut edges = Vec::new();
+        let mut repeated = Vec::new();
         SortedHalfEdges::new(triangles, positions.len()).for_each_edge(|edge| {
             let mut unpaired = edge.unpaired(triangles);
             let Some(half_edge) = unpaired.next() else { return };
-            let count = u32::try_from(1 + unpaired.count()).unwrap_or(u32::MAX);
+            let count = 1 + unpaired.count();
             let (corners, k) = (triangles[half_edge as usize / 3], half_edge as usize % 3);
-            let [start, end] = [k, (k + 1) % 3].map(|k| positions[corners[k] as usize]);
-            let (weight, length) = (f64::from(count) / FULL, start.distance(end));
-            if length > 0.0 {
-                edges.push(Edge { start, end, count, weight, length });
+            let ends = [k, (k + 1) % 3].map(|k| positions[corners[k] as usize]);
+            if ends[0] != ends[1] {
+                edges.push(Edge { ends, weight: count as f64 / FULL });
+                // More than a few are never swept.
+                repeated.extend((0..count.min(FEW_EDGES + 1 - repeated.len())).map(|_| ends));
             }
         });
-        let mut groups = Vec::new();
-        let count = edges.len();
-        if count > 0 {
-            build(&mut edges, 0..count, &mut groups);
-        }
-        let are_few = edges.iter().map(|edge| u64::from(edge.count)).sum::<u64>() <= FEW_EDGES;
-        let repeated =
-            edges.iter().flat_map(|edge| (0..edge.count).map(|_| (edge.start, edge.end)));
-        let swept = are_few.then(|| SweptEdges::all(repeated));
-        Self { edges, groups, swept }
+        let swept = (repeated.len() <= FEW_EDGES).then(|| SweptEdges::all(&repeated));
+        Self { edges: (!edges.is_empty()).then(|| EdgeTree::new(&edges)), swept }
     }
 
     /// Whether the surface ends nowhere: then the winding number is whole, and changes only across
     /// the surface.
     pub(crate) fn is_empty(&self) -> bool {
-        self.edges.is_empty()
+        self.edges.is_none()
     }
 
     /// The winding number about a point of what continues the surface from its boundary to
@@ -122,27 +75,11 @@ impl Boundary {
     /// The slope of the winding number at a point; where its gradient is above `limit`, any
     /// gradient above that. `nearest` is a lower bound on the distance to the surface.
     pub(crate) fn slope(&self, point: Vector, nearest: f64, limit: f64) -> Slope {
-        let mut slope = Slope { gradient: 0.0, clearance: f64::INFINITY };
-        let mut next = 0;
-        while let Some(group) = self.groups.get(next) {
-            let away = larger(point.distance(group.centre) - group.radius, nearest);
-            if group.radius <= FAR * away {
-                slope.add(group.length, group.weight, away);
-                next = group.after;
-            } else if group.edges.len() <= LEAF {
-                for edge in self.edges.get(group.edges.clone()).into_iter().flatten() {
-                    let away = larger(edge.distance(point), nearest);
-                    slope.add(edge.weight * edge.length, edge.weight, away);
-                }
-                next = group.after;
-            } else {
-                next += 1;
-            }
-            if slope.gradient > limit {
-                return slope;
-            }
-        }
-        slope
+        let Some(edges) = &self.edges else {
+            return Slope { gradient: 0.0, clearance: f64::INFINITY };
+        };
+        let [gradient, clearance] = edges.slope(point, nearest, limit);
+        Slope { gradient, clearance }
     }
 }
 
@@ -156,12 +93,6 @@ pub(crate) struct Slope {
 }
 
 impl Slope {
-    /// Adds edges that are `away` at least.
-    fn add(&mut self, length: f64, weight: f64, away: f64) {
-        self.gradient += smaller(length / away, 2.0 * weight) / away;
-        self.clearance = smaller(self.clearance, away);
-    }
-
     /// Over a way of a length the number changes by no more than this. The distance to an edge
     /// falls by no more than the way's length: this is the integral of one over its square.
     pub(crate) fn change(&self, way: f64) -> f64 {
@@ -179,41 +110,6 @@ impl Slope {
     pub(crate) fn at_distance(&self, way: f64) -> Self {
         let left = (1.0 - way / self.clearance).max(0.0);
         Self { gradient: self.gradient / (left * left), clearance: left * self.clearance }
-    }
-}
-
-/// Appends the groups over a range of edges, which are put in order.
-fn build(edges: &mut [Edge], range: std::ops::Range<usize>, groups: &mut Vec<Group>) {
-    let Some(own) = edges.get_mut(range.clone()) else { return };
-    let count = own.len();
-    let (mut low, mut high) = (Vector::INFINITY, Vector::NEG_INFINITY);
-    for edge in own.iter() {
-        for end in [edge.start, edge.end] {
-            low = end.min(low);
-            high = end.max(high);
-        }
-    }
-    let extent = high - low;
-    let place = groups.len();
-    groups.push(Group {
-        centre: (low + high) * 0.5,
-        radius: 0.5 * extent.length(),
-        length: own.iter().map(|edge| edge.weight * edge.length).sum(),
-        weight: own.iter().map(|edge| edge.weight).sum(),
-        edges: range.clone(),
-        after: place + 1,
-    });
-    if count <= LEAF {
-        return;
-    }
-    let axis = (0..3).max_by(|&a, &b| extent[a].total_cmp(&extent[b])).unwrap_or(0);
-    let half = count / 2;
-    own.select_nth_unstable_by(half, |a, b| a.middle()[axis].total_cmp(&b.middle()[axis]));
-    build(edges, range.start..range.start + half, groups);
-    build(edges, range.start + half..range.end, groups);
-    let after = groups.len();
-    if let Some(group) = groups.get_mut(place) {
-        group.after = after;
     }
 }
 
@@ -238,11 +134,11 @@ struct SweptEdges {
 
 impl SweptEdges {
     /// Edges from point to point, in lanes.
-    fn all(edges: impl Iterator<Item = (Vector, Vector)>) -> Vec<Self> {
+    fn all(edges: &[[Vector; 2]]) -> Vec<Self> {
         let behind =
             (Vector::new(1.0, SLOPES[0], SLOPES[1]) * FAR_BEHIND).to_array().map(|x| [x; LANES]);
         let mut all: Vec<Self> = Vec::new();
-        for (number, (start, end)) in edges.enumerate() {
+        for (number, [start, end]) in edges.iter().enumerate() {
             if number % LANES == 0 {
                 all.push(Self { start: behind, end: behind });
             }
@@ -305,6 +201,7 @@ fn half_solid_angles(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::solid::grid::ROUNDING;
 
     /// A sheet of one small square: four edges where the surface ends.
     fn sheet() -> Boundary {
@@ -332,8 +229,8 @@ mod tests {
                 let way = share * slope.clearance;
                 let there = slope_at(&boundary, from + direction * way);
                 let said = slope.at_distance(way);
-                assert!(there.gradient <= said.gradient * (1.0 + 1e-12), "{from:?} {share}");
-                assert!(there.clearance >= said.clearance * (1.0 - 1e-12), "{from:?} {share}");
+                assert!(there.gradient <= said.gradient * (1.0 + ROUNDING), "{from:?} {share}");
+                assert!(there.clearance >= said.clearance * (1.0 - ROUNDING), "{from:?} {share}");
             }
         }
     }

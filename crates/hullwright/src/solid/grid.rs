@@ -609,6 +609,15 @@ impl Location<'_> {
         is_known.then(|| self.side_of_cell())
     }
 
+    /// The side of the point in an open solid.
+    pub fn side_in_open(&self, point: Vector) -> Side {
+        match self.winding() {
+            Some(winding) if winding.least > OPEN_INSIDE => Side::Inside,
+            Some(winding) if winding.most <= OPEN_INSIDE => Side::Outside,
+            _ => self.grid.surface.side(point),
+        }
+    }
+
     /// The radius of a ball around the point that is inside as a whole; `None` if the cell's centre
     /// is outside. If it is negative, the inside begins that far away at most.
     #[inline]

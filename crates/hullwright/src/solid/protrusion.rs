@@ -181,7 +181,7 @@ impl<'a> Exact<'a> {
         // From the ball that is inside no point of the part is farther than the rest.
         let needed = part.radius - self.enough();
         if needed <= 0.0 {
-            return match self.solid.side(part.centre) {
+            return match at.side_in_open(part.centre) {
                 Side::Inside => OpenSide::AllInside,
                 Side::Outside => OpenSide::CentreOutside,
             };
@@ -235,8 +235,9 @@ impl Policy for Exact<'_> {
             return Verdict::Settled;
         }
         // Inside tests are expensive: only where they decide.
-        let is_enough_inside = solid.is_closed() && radius - distance <= enough;
-        if distance > known || is_enough_inside || !may_halve || !solid.is_closed() {
+        let may_be_inside = radius - distance <= enough;
+        let is_enough_inside = solid.is_closed() && may_be_inside;
+        if distance > known || may_be_inside || !may_halve {
             let is_inside = if solid.is_closed() {
                 solid.side_at_distance(centre, &at, distance) == Side::Inside
             } else {
