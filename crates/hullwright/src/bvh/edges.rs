@@ -1,5 +1,5 @@
-//! A hierarchy over edges, and how fast a winding number may change beside them: see
-//! [`EdgeTree::slope`].
+//! A hierarchy over the edges where a surface ends, which bounds how fast its winding number
+//! changes.
 
 use super::tree::{Child, EMPTY, Leaf, Node, STACK, Tree, WIDTH, child};
 use crate::geometry::vector::{Vector, larger, smaller};
@@ -63,7 +63,7 @@ impl Added {
 }
 
 impl EdgeTree {
-    /// O(n log n).
+    /// The hierarchy over n edges. O(n log n).
     pub(crate) fn new(edges: &[Edge]) -> Self {
         let ends: Vec<Vector> = edges.iter().flat_map(|edge| edge.ends).collect();
         let corners = (0..edges.len() as u32).map(|edge| [2 * edge, 2 * edge + 1, 2 * edge + 1]);
@@ -98,10 +98,10 @@ impl EdgeTree {
         Self { tree, groups, edges }
     }
 
-    /// The sum over the edges of what each may add to the gradient of a winding number: its length
-    /// over its squared distance, and two over its distance at most, times its weight. And the
-    /// distance to the nearest edge. The first is too large, the second too small. No edge is
-    /// nearer than `nearest`. Above `limit` any sum above that may be returned. Typically O(log n).
+    /// A bound on the gradient of a winding number, and a lower bound on the distance to the
+    /// nearest edge. Each edge adds its length over its squared distance, and two over its distance
+    /// at most, times its weight. No edge is nearer than `nearest`. Where the sum exceeds `limit`,
+    /// any sum above that may be returned. Typically O(log n).
     pub(crate) fn slope(&self, point: Vector, nearest: f64, limit: f64) -> [f64; 2] {
         let relative = (point - self.tree.centre).as_vec3().to_array();
         let (nearest, limit) = (larger(nearest as f32, f32::MIN_POSITIVE), limit / SLACK);
@@ -126,8 +126,9 @@ impl EdgeTree {
                     for lane in 0..WIDTH {
                         let away = larger(distance_to_box(boxes, lane, relative), nearest);
                         is_near[lane] = sums.radius[lane] > FAR * away;
-                        let counts = if is_near[lane] { f32::INFINITY } else { away };
-                        added.add(lane, sums, counts);
+                        // What is near is added edge by edge.
+                        let away = if is_near[lane] { f32::INFINITY } else { away };
+                        added.add(lane, sums, away);
                     }
                     for (lane, &reference) in boxes.children.iter().enumerate() {
                         if is_near[lane] && reference != EMPTY {
