@@ -47,9 +47,10 @@ fn squared_or_none(length: f64) -> f64 {
 /// Of [`closest_point_near`](Bvh::closest_point_near): only the closest triangle is near enough.
 pub(crate) const EXACT: f64 = -1.0;
 
-/// Squared length of each child's gap to the point, a lower bound up to [`BOUND_SLACK`].
+/// Squared length of each child's gap to the point, a lower bound up to [`BOUND_SLACK`]; infinite
+/// without a child.
 #[inline(always)]
-fn squared_gaps(node: &Node, point: [f32; 3]) -> [f32; WIDTH] {
+pub(super) fn squared_gaps(node: &Node, point: [f32; 3]) -> [f32; WIDTH] {
     let mut squared = [0.0; WIDTH];
     for place in 0..WIDTH {
         let gap = |axis: usize| {

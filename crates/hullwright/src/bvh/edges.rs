@@ -1,7 +1,8 @@
 //! A hierarchy over the edges where a surface ends, which bounds how fast its winding number
 //! changes.
 
-use super::tree::{Child, EMPTY, Leaf, Node, STACK, Tree, WIDTH, child};
+use super::closest_point::squared_gaps;
+use super::tree::{Child, EMPTY, Leaf, STACK, Tree, WIDTH, child};
 use crate::geometry::vector::{Vector, larger, smaller};
 
 /// Edges whose box has a half diagonal below this share of its distance count as a whole: that is
@@ -23,6 +24,8 @@ pub(crate) struct EdgeTree {
     tree: Tree,
     /// By node.
     groups: Vec<Sums>,
+    /// The half diagonals of the children's boxes, by node.
+    radii: Vec<[f32; WIDTH]>,
     /// By leaf.
     edges: Vec<Sums>,
 }
@@ -33,12 +36,10 @@ struct Sums {
     /// Of lengths times weights.
     length: [f32; WIDTH],
     weight: [f32; WIDTH],
-    /// The half diagonal of a child's box.
-    radius: [f32; WIDTH],
 }
 
 impl Sums {
-    const NOTHING: Self = Self { length: [0.0; WIDTH], weight: [0.0; WIDTH], radius: [0.0; WIDTH] };
+    const NOTHING: Self = Self { length: [0.0; WIDTH], weight: [0.0; WIDTH] };
 
     /// Of all lanes.
     fn total(&self) -> [f32; 2] {
@@ -80,6 +81,7 @@ impl EdgeTree {
         };
         let edges: Vec<Sums> = tree.leaves.iter().map(of_leaf).collect();
         let mut groups = vec![Sums::NOTHING; tree.nodes.len()];
+        let mut radii = vec![[0.0; WIDTH]; tree.nodes.len()];
         // Nodes precede their children.
         for (index, node) in tree.nodes.iter().enumerate().rev() {
             for lane in 0..WIDTH {
@@ -91,11 +93,11 @@ impl EdgeTree {
                 let extent = [0, 1, 2].map(|axis| node.max[axis][lane] - node.min[axis][lane]);
                 let group = &mut groups[index];
                 (group.length[lane], group.weight[lane]) = (length, weight);
-                group.radius[lane] =
+                radii[index][lane] =
                     0.5 * extent.map(|side| side * side).iter().sum::<f32>().sqrt();
             }
         }
-        Self { tree, groups, edges }
+        Self { tree, groups, radii, edges }
     }
 
     /// A bound on the gradient of a winding number, and a lower bound on the distance to the
@@ -122,10 +124,11 @@ impl EdgeTree {
                 }
                 Child::Node(node) => {
                     let (boxes, sums) = (&self.tree.nodes[node], &self.groups[node]);
+                    let gaps = squared_gaps(boxes, relative);
                     let mut is_near = [false; WIDTH];
                     for lane in 0..WIDTH {
-                        let away = larger(distance_to_box(boxes, lane, relative), nearest);
-                        is_near[lane] = sums.radius[lane] > FAR * away;
+                        let away = larger(gaps[lane].sqrt(), nearest);
+                        is_near[lane] = self.radii[node][lane] > FAR * away;
                         // What is near is added edge by edge.
                         let away = if is_near[lane] { f32::INFINITY } else { away };
                         added.add(lane, sums, away);
@@ -157,30 +160,14 @@ fn distance_to_edge(ends: &Leaf, lane: usize, point: [f32; 3]) -> f32 {
     dot(across, across).sqrt()
 }
 
-/// The distance of a point to the box of a lane; infinite if there is none.
-#[inline(always)]
-fn distance_to_box(boxes: &Node, lane: usize, point: [f32; 3]) -> f32 {
-    let mut squared = 0.0;
-    for axis in 0..3 {
-        let below = boxes.min[axis][lane] - point[axis];
-        let above = point[axis] - boxes.max[axis][lane];
-        let beside = larger(larger(below, above), 0.0);
-        squared += beside * beside;
-    }
-    squared.sqrt()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::vector::distance_to_segment;
+    use crate::geometry::vector::{distance_to_segment, spread_in_box};
 
     /// Edges of many lengths and weights, anywhere in a box.
     fn scattered(count: usize) -> Vec<Edge> {
-        let spread = |number: usize| (0.5 + 0.618_033_988_749_895 * number as f64).fract() - 0.5;
-        let place = |number: usize| {
-            Vector::from_array([0, 1, 2].map(|axis| spread(7 * number * number + 11 * axis)))
-        };
+        let place = |number| spread_in_box(number, Vector::splat(-0.5), Vector::splat(0.5));
         let edge = |number: usize| {
             let start = place(number);
             let end = start + place(number + 1000) * 0.5_f64.powi(number as i32 % 8);

@@ -9,7 +9,7 @@
 //! | `closest_point` | distances by branch and bound |
 //! | `winding_number` | winding numbers by multipole expansion |
 //! | `hierarchy` | [`Bvh`]: the tree; winding numbers; triangles near a box or a face, or closest to those of another mesh |
-//! | `edges` | a tree over the edges where a surface ends, and how fast its winding number changes |
+//! | `edges` | the edges where a surface ends, and how fast its winding number changes |
 //! | `rays` | the winding number of a closed mesh by a ray; the first hit of a ray |
 //!
 //! Queries are thread-safe. They neither allocate nor lock, except the first winding number, which

@@ -12,7 +12,7 @@ use std::f64::consts::{PI, TAU};
 
 use super::tree::{Child, EMPTY, Leaf, Tree, WIDTH, child};
 use crate::geometry::Turns;
-use crate::geometry::vector::{Vector, larger};
+use crate::geometry::vector::{Vector, larger, whole_turn};
 
 /// β of the paper, of a cluster as large as a disc of its radius: beyond β times its radius it is
 /// expanded. At 1.5 the error is 0.001 in the median, far from the one half that decides.
@@ -273,8 +273,7 @@ impl LaneTurns {
             let (before, added) = (self.imaginary[lane], imaginary[lane]);
             let next_real = self.real[lane] * real[lane] - before * added;
             let next = self.real[lane] * added + before * real[lane];
-            self.whole[lane] += i32::from((before >= 0.0) & (added >= 0.0) & (next < 0.0));
-            self.whole[lane] -= i32::from((before < 0.0) & (added < 0.0) & (next >= 0.0));
+            self.whole[lane] += whole_turn(before, added, next);
             // The product would become too large or too small.
             let size = 1.0 / larger(next_real.abs() + next.abs(), f32::MIN_POSITIVE);
             self.real[lane] = next_real * size;

@@ -152,6 +152,15 @@ pub fn six_volumes(triangles: impl Iterator<Item = [Vector; 3]>) -> f64 {
     triangles.map(|[a, b, c]| a.dot(b.cross(c))).sum()
 }
 
+/// The whole turn that the argument of a product of complex numbers does not show, by the signs of
+/// the factors' imaginary parts and of the product's.
+#[inline(always)]
+pub fn whole_turn<T: PartialOrd + Default>(before: T, added: T, next: T) -> i32 {
+    let zero = T::default();
+    i32::from((before >= zero) & (added >= zero) & (next < zero))
+        - i32::from((before < zero) & (added < zero) & (next >= zero))
+}
+
 /// A sum of angles as the argument of a product of complex numbers: one arc tangent serves for
 /// all.
 #[derive(Clone, Copy)]
@@ -177,8 +186,7 @@ impl Turns {
         let before = self.imaginary;
         let next_real = self.real * real - before * imaginary;
         let next = self.real * imaginary + before * real;
-        self.whole += i32::from((before >= 0.0) & (imaginary >= 0.0) & (next < 0.0));
-        self.whole -= i32::from((before < 0.0) & (imaginary < 0.0) & (next >= 0.0));
+        self.whole += whole_turn(before, imaginary, next);
         (self.real, self.imaginary) = (next_real, next);
     }
 

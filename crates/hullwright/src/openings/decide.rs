@@ -118,8 +118,8 @@ type JudgedCap = (Cap, OpeningOutcome);
 
 /// Judges each opening of a repaired mesh. The materials of `source` say which sides of faces are
 /// drawn. `is_on_seen_rim` says of each vertex of the source whether a cap around it was left by a
-/// pass before this one since something is seen through it, and then of this pass too: what is there
-/// is looked through first, since nearly all of it falls again.
+/// pass before this one since something is seen through it, and then of this pass too: what is
+/// there is looked through first, since nearly all of it falls again.
 pub(super) fn judge(
     prepared: &PreparedMesh,
     source: MeshView<'_>,

@@ -396,11 +396,11 @@ impl Grid {
             return self.compute_depth(cell, place) >= 0.0;
         }
         let centre = self.absolute(self.centre(place));
-        let is_inside = match self.locate(centre).winding() {
-            Some(winding) if winding.least > OPEN_INSIDE => true,
-            Some(winding) if winding.most <= OPEN_INSIDE => false,
-            _ => self.winding_at(cell, centre) > OPEN_INSIDE,
-        };
+        let known = self.locate(centre).winding().and_then(|winding| winding.side());
+        let is_inside = known.map_or_else(
+            || self.winding_at(cell, centre) > OPEN_INSIDE,
+            |side| side == Side::Inside,
+        );
         store(&cell.depth, if is_inside { UNKNOWN_INSIDE } else { OUTSIDE });
         is_inside
     }
@@ -611,11 +611,8 @@ impl Location<'_> {
 
     /// The side of the point in an open solid.
     pub fn side_in_open(&self, point: Vector) -> Side {
-        match self.winding() {
-            Some(winding) if winding.least > OPEN_INSIDE => Side::Inside,
-            Some(winding) if winding.most <= OPEN_INSIDE => Side::Outside,
-            _ => self.grid.surface.side(point),
-        }
+        let known = self.winding().and_then(|winding| winding.side());
+        known.unwrap_or_else(|| self.grid.surface.side(point))
     }
 
     /// The radius of a ball around the point that is inside as a whole; `None` if the cell's centre
@@ -630,7 +627,7 @@ impl Location<'_> {
     /// outside. Less than `needed` may be returned as 0.
     pub fn depth_at_distance(&self, point: Vector, distance: f64, needed: f64) -> Option<f64> {
         if let Some(winding) = self.winding() {
-            if winding.most <= OPEN_INSIDE {
+            if winding.side() == Some(Side::Outside) {
                 return None;
             }
             if let Some(depth) = winding.depth(distance)

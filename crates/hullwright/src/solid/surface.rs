@@ -128,6 +128,14 @@ pub(super) struct Winding {
 }
 
 impl Winding {
+    /// The side of the point; `None` if it may be either.
+    pub fn side(&self) -> Option<Side> {
+        if self.least > OPEN_INSIDE {
+            return Some(Side::Inside);
+        }
+        (self.most <= OPEN_INSIDE).then_some(Side::Outside)
+    }
+
     /// The radius of a ball around the point that is inside as a whole, where the surface is at
     /// least `distance` away; `None` if the point itself may be outside.
     pub fn depth(&self, distance: f64) -> Option<f64> {
